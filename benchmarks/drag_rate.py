@@ -1,0 +1,159 @@
+"""Pictures a second while the light is dragged in the relight page, and seconds to its first picture.
+
+Serves the dashboard, opens it in headless Chromium, drops a 512 x 512 drawing, and drags on the light ball.
+A picture counts once the graphics card has finished it: after each draw one pixel is read back. Run from the
+repository's root:
+
+    python benchmarks/drag_rate.py -o drag_rate.json
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import shutil
+import socket
+import statistics
+import subprocess
+import sys
+import time
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from playwright.sync_api import Page, sync_playwright
+
+ROOT = Path(__file__).parents[1]
+CHROMIUM_FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync"]
+SIZE = 512
+WANTED_RATE = 20
+WANTED_SECONDS = 10
+
+COUNT_FINISHED_PICTURES = """
+window.finished = [];
+const draw = WebGL2RenderingContext.prototype.drawArrays;
+WebGL2RenderingContext.prototype.drawArrays = function (...call) {
+  draw.apply(this, call);
+  if (!this.canvas.classList.contains("picture")) return;
+  this.readPixels(this.canvas.width >> 1, this.canvas.height >> 1, 1, 1, this.RGBA, this.UNSIGNED_BYTE, new Uint8Array(4));
+  window.finished.push([performance.now(), this.canvas.width, this.canvas.height]);
+}
+"""
+
+
+def drawing() -> bytes:
+    """Return a 512 x 512 four-tone ball with an antialiased outline, as a PNG file."""
+    y, x = np.mgrid[:SIZE, :SIZE] - (SIZE - 1) / 2
+    radius = np.hypot(x, y)
+    inside = np.sqrt(np.maximum(0, 1 - (radius / 250) ** 2))
+    light = (-0.5 * x / 250 - 0.5 * y / 250) + 0.7071 * inside
+    ramp = np.array([[58, 38, 84], [122, 62, 108], [214, 108, 96], [250, 190, 120]])
+    color = ramp[np.digitize(light, [-0.2, 0.3, 0.7])]
+    alpha = np.clip(250.5 - radius, 0, 1) * 255
+    file = BytesIO()
+    Image.fromarray(np.dstack([color, alpha]).astype(np.uint8)).save(file, "PNG")
+    return file.getvalue()
+
+
+def serve(port: int) -> subprocess.Popen[bytes]:
+    """Start the dashboard and wait until it listens. Nothing of it is warm yet."""
+    command = [sys.executable, "-m", "panel", "serve", str(ROOT / "dashboards" / "relight.py")]
+    command += ["--port", str(port), "--allow-websocket-origin", f"127.0.0.1:{port}"]
+    path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    server = subprocess.Popen(
+        command, env={**os.environ, "PYTHONPATH": path}, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    end = time.monotonic() + 60
+    while time.monotonic() < end:
+        try:
+            with socket.create_connection(("127.0.0.1", port), timeout=5):
+                return server
+        except ConnectionError:
+            time.sleep(0.1)
+    server.terminate()
+    raise SystemExit("the dashboard did not start")
+
+
+def seconds_to_first_picture(page: Page, url: str) -> float:
+    start = time.perf_counter()
+    page.goto(url)
+    page.wait_for_function("window.finished.length > 0", timeout=120_000)
+    return time.perf_counter() - start
+
+
+def drop(page: Page) -> None:
+    page.locator("input[type=file]").set_input_files(
+        {"name": "ball.png", "mimeType": "image/png", "buffer": drawing()}
+    )
+    page.wait_for_function(f"window.finished.at(-1)[1] === {SIZE}", timeout=120_000)
+    page.wait_for_selector(".busy:not(.on)", state="attached")
+    page.wait_for_timeout(3000)  # the plots below the pictures are drawn too
+
+
+def drag(page: Page, seconds: float) -> list[float]:
+    """Circle on the ball; return the time at which each picture was finished, in ms."""
+    box = page.locator(".card.relit .ball-box").bounding_box()
+    assert box is not None
+    center = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(*center)
+    page.mouse.down()
+    page.evaluate("window.finished = []")
+    start = time.perf_counter()
+    while (passed := time.perf_counter() - start) < seconds:
+        turn = 2 * math.pi * passed / 2
+        reach = box["width"] * 0.35
+        page.mouse.move(center[0] + reach * math.cos(turn), center[1] + reach * math.sin(turn))
+    times = page.evaluate("window.finished.map(([time]) => time)")
+    page.mouse.up()
+    return times
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("-o", "--output", type=Path, help="write the figures here, as JSON")
+    parser.add_argument("--seconds", type=float, default=5, help="how long to drag (default 5)")
+    options = parser.parse_args()
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    url = f"http://127.0.0.1:{port}/relight"
+    server = serve(port)
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    try:
+        with sync_playwright() as playwright:
+            browser = playwright.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS)
+            page = browser.new_page(viewport={"width": 1440, "height": 900})
+            page.add_init_script(COUNT_FINISHED_PICTURES)
+            first = seconds_to_first_picture(page, url)
+            page.wait_for_timeout(4000)
+            again = seconds_to_first_picture(page, url)
+            page.wait_for_timeout(2000)
+            drop(page)
+            times = drag(page, options.seconds)
+            browser.close()
+    finally:
+        server.terminate()
+        server.wait()
+    gaps = np.diff(times)
+    figures = {
+        "picture": [SIZE, SIZE],
+        "first_picture_cold_s": round(first, 2),
+        "first_picture_warm_s": round(again, 2),
+        "pictures": len(times),
+        "pictures_per_second": round(1000 * len(gaps) / (times[-1] - times[0]), 1),
+        "median_ms": round(statistics.median(gaps), 1),
+        "p95_ms": round(float(np.percentile(gaps, 95)), 1),
+        "wanted_pictures_per_second": WANTED_RATE,
+        "wanted_first_picture_s": WANTED_SECONDS,
+    }
+    for name, value in figures.items():
+        print(f"{name:28} {value}")
+    if options.output:
+        options.output.write_text(json.dumps(figures, indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,37 @@
+import numpy as np
+import pytest
+
+from tests.analytic import LIGHT
+from tests.numerics.test_unit_field import random_problem
+from toonkit.estimation.energy import PrintedEnergy, ShadingTerm
+from toonkit.numerics.gauss_seidel import over_relaxed_sweeps
+
+
+def run(seed: int, *, relaxation: float = 1.0, max_sweeps: int = 400, tolerance: float = 1e-9):
+    problem, _ = random_problem(seed)
+    energy = PrintedEnergy(problem.grid, ShadingTerm(LIGHT, problem.lower, problem.upper), 20.0, 30.0)
+    return over_relaxed_sweeps(
+        problem.grid, problem.start, LIGHT, problem.lower, problem.upper, rho=20.0, smoothness=30.0,
+        relaxation=relaxation, max_sweeps=max_sweeps, tolerance=tolerance, energy=energy.value,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("relaxation", [1.0, 1.5])
+def test_sweeps_lower_the_energy(seed, relaxation):
+    _, report = run(seed, relaxation=relaxation)
+    assert report.energies[-1] < 0.2 * report.energies[0]
+
+
+def test_the_limit_and_the_standstill_are_told_apart():
+    _, few = run(0, max_sweeps=10)
+    _, many = run(0, max_sweeps=100_000, tolerance=1e-6)
+    assert (few.converged, few.iterations) == (False, 10)
+    assert many.converged
+    assert "stands still" in many.reason
+
+
+def test_vectors_stay_unit_and_face_the_viewer():
+    field, _ = run(1)
+    assert np.allclose(np.linalg.norm(field, axis=1), 1)
+    assert (field[:, 2] >= 0).all()

@@ -1,0 +1,62 @@
+import numpy as np
+import pytest
+
+from tests.analytic import blob_mask
+from toonkit.numerics.masked_grid import DOWN, LEFT, OUTSIDE, RIGHT, UP, MaskedGrid
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_scatter_then_gather_is_the_identity(seed):
+    grid = MaskedGrid(blob_mask(seed))
+    field = np.random.default_rng(seed).normal(size=(grid.size, 3))
+    assert np.array_equal(grid.gather(grid.scatter(field)), field)
+
+
+def test_outside_the_mask_nothing_is_a_number():
+    grid = MaskedGrid(blob_mask(0))
+    assert np.isnan(grid.scatter(np.zeros(grid.size))[~grid.mask]).all()
+
+
+@pytest.mark.parametrize(("there", "back"), [(RIGHT, LEFT), (UP, DOWN)])
+def test_neighbors_see_each_other(there, back):
+    grid = MaskedGrid(blob_mask(1))
+    linked = np.flatnonzero(grid.neighbors[:, there] != OUTSIDE)
+    assert np.array_equal(grid.neighbors[grid.neighbors[linked, there], back], linked)
+
+
+def test_up_is_toward_row_zero():
+    grid = MaskedGrid(np.ones((3, 1), dtype=bool))
+    assert grid.neighbors[:, UP].tolist() == [OUTSIDE, 0, 1]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_differences_agree_with_their_adjoint(seed):
+    grid = MaskedGrid(blob_mask(seed))
+    random = np.random.default_rng(seed)
+    field, flow = random.normal(size=grid.size), random.normal(size=(grid.size, 2))
+    there = np.sum(grid.differences(field) * flow)
+    back = np.sum(field * grid.differences_adjoint(flow))
+    assert there == pytest.approx(back, rel=1e-12, abs=1e-12)
+
+
+def test_differences_of_a_ramp_are_its_slopes():
+    y, x = np.mgrid[:5, :6].astype(float)
+    grid = MaskedGrid(np.ones((5, 6), dtype=bool))
+    slopes = grid.differences((2 * x - 3 * y).ravel())
+    inner = (grid.neighbors[:, RIGHT] != OUTSIDE) & (grid.neighbors[:, UP] != OUTSIDE)
+    # y of the frame points up, rows point down: -3 per row is +3 per y.
+    assert np.allclose(slopes[inner], [2, 3])
+
+
+def test_the_rim_touches_the_background():
+    grid = MaskedGrid(np.pad(np.ones((3, 3), dtype=bool), 1))
+    assert grid.rim.tolist() == [True, True, True, True, False, True, True, True, True]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_every_pixel_has_the_parent_of_its_block(seed):
+    grid = MaskedGrid(blob_mask(seed, size=23))
+    coarse, parent = grid.coarsened()
+    assert np.array_equal(coarse.rows[parent], grid.rows // 2)
+    assert np.array_equal(coarse.columns[parent], grid.columns // 2)
+    assert set(parent) == set(range(coarse.size))

@@ -1,0 +1,258 @@
+"""The command line does what the library does, says so in few words, and refuses in one line."""
+
+import io
+import json
+import re
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import toonkit
+from toonkit import ColorMap, NormalField, load_image, relight
+from toonkit.cli import METHOD_NAMES, main
+from toonkit.export.archive import load_analysis
+from toonkit.export.picture import write_picture
+
+SIZE, RADIUS = 48, 20.0
+NEW_LIGHT = toonkit.light_direction(-30, 50)
+
+
+@pytest.fixture(scope="module")
+def drawing(tmp_path_factory):
+    """A file with a three-tone ball lit from the upper left."""
+    row, column = np.indices((SIZE, SIZE))
+    x, y = (column - 23.5) / RADIUS, (23.5 - row) / RADIUS
+    mask = x**2 + y**2 < 1
+    normals = NormalField(np.stack([x, y, np.sqrt(np.clip(1 - x**2 - y**2, 0, 1))], axis=-1), mask)
+    ramp = ColorMap(np.repeat([[0.3, 0.1, 0.35], [0.7, 0.35, 0.35], [1.0, 0.8, 0.5]], 6, axis=0))
+    path = tmp_path_factory.mktemp("drawing") / "ball.png"
+    write_picture(toonkit.shade(normals, toonkit.light_direction(135, 45), ramp), path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def analyzed(drawing, tmp_path_factory):
+    """The folder that analyzing it once wrote."""
+    folder = tmp_path_factory.mktemp("analyzed") / "out"
+    assert main(["analyze", str(drawing), "--light", "135,45", "-o", str(folder), "--quiet"]) == 0
+    return folder
+
+
+def report_in(folder):
+    return json.loads((folder / "report.json").read_text())
+
+
+def test_analyze_writes_what_it_says_and_says_what_it_wrote(drawing, tmp_path, capsys):
+    assert main(["analyze", str(drawing), "--light", "135,45", "-o", str(tmp_path / "out")]) == 0
+    said, complained = capsys.readouterr()
+    files = {path.name for path in (tmp_path / "out").iterdir()}
+    assert files == set(re.findall(r"^  (\S+)", said, flags=re.MULTILINE))
+    assert {
+        "analysis.npz",
+        "normals.png",
+        "color_map.json",
+        "relit_contact_sheet.png",
+        "report.json",
+    } <= files
+    assert "azimuth 135°, elevation 45° (given)" in said
+    assert complained == ""  # no progress bar where nobody looks
+
+
+def test_a_report_says_how_the_analysis_went(analyzed, drawing):
+    report = report_in(analyzed)
+    assert report["drawing"] == str(drawing)
+    assert report["method"] == "toonkit"
+    assert report["light_source"] == "given"
+    assert report["light_confidence"] is None
+    assert report["picture"]["mask_pixels"] == int(load_image(drawing).mask.sum())
+    assert 0 <= report["input_fit_rmse"] < 0.5
+    assert report["solver"]["reason"]
+    assert "reading the drawing" in report["seconds"]
+    assert all(seconds >= 0 for seconds in report["seconds"].values())
+
+
+def test_an_analysis_is_the_librarys(analyzed, drawing):
+    expected = toonkit.analyze(load_image(drawing), toonkit.light_direction(135, 45))
+    found = load_analysis(analyzed / "analysis.npz")
+    assert np.array_equal(found.normals.vectors, expected.normals.vectors, equal_nan=True)
+
+
+def test_without_a_light_one_is_estimated(drawing, tmp_path, capsys):
+    assert main(["analyze", str(drawing), "-o", str(tmp_path)]) == 0
+    report = report_in(tmp_path)
+    estimate = toonkit.estimate_light(load_image(drawing))
+    assert report["light_source"] == "estimated"
+    assert report["light_confidence"] == pytest.approx(estimate.confidence)
+    assert report["light"]["vector"] == pytest.approx(estimate.light)
+    assert "estimated, confidence" in capsys.readouterr().out
+
+
+def test_methods_of_the_help_are_those_of_the_library():
+    assert tuple(toonkit.METHODS) == METHOD_NAMES
+
+
+def test_a_method_can_be_chosen(drawing, tmp_path):
+    assert main(["analyze", str(drawing), "--light", "135,45", "-o", str(tmp_path), "--method", "lumo"]) == 0
+    assert report_in(tmp_path)["method"] == "lumo"
+
+
+def test_a_mask_can_be_given(drawing, tmp_path):
+    mask = load_image(drawing).mask.copy()
+    mask[:, :24] = False
+    Image.fromarray(mask).save(tmp_path / "mask.png")
+    out, mask_file = tmp_path / "out", tmp_path / "mask.png"
+    assert main(["analyze", str(drawing), "--light", "135,45", "--mask", str(mask_file), "-o", str(out)]) == 0
+    assert report_in(out)["picture"]["mask_pixels"] == mask.sum()
+
+
+def test_quiet_says_nothing(drawing, tmp_path, capsys):
+    assert main(["analyze", str(drawing), "--light", "135,45", "-o", str(tmp_path), "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize(("options", "shown"), [([], True), (["--quiet"], False)])
+def test_a_terminal_sees_the_steps_go_by(drawing, tmp_path, monkeypatch, options, shown):
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    assert main(["analyze", str(drawing), "--light", "135,45", "-o", str(tmp_path), *options]) == 0
+    assert ("reading the drawing" in terminal.getvalue()) is shown
+
+
+@pytest.mark.parametrize("source", [".", "analysis.npz"])
+@pytest.mark.parametrize("light", [["--light", "-30,50"], ["--light=-30,50"], ["--light", "330,50"]])
+def test_relight_paints_what_the_library_paints(analyzed, tmp_path, capsys, source, light):
+    target = tmp_path / "relit.png"
+    assert main(["relight", str(analyzed / source), *light, "-o", str(target)]) == 0
+    assert str(target) in capsys.readouterr().out
+    expected = relight(load_analysis(analyzed / "analysis.npz"), NEW_LIGHT).to_rgba()
+    with Image.open(target) as found:
+        # one step: azimuths of -30 and 330 degrees round differently
+        assert np.abs(np.asarray(found).astype(int) - expected).max() <= 1
+
+
+def test_relight_can_leave_the_drawings_detail_out(analyzed, tmp_path):
+    target = tmp_path / "relit.webp"
+    assert main(["relight", str(analyzed), "--light", "-30,50", "-o", str(target), "--model-only"]) == 0
+    expected = relight(load_analysis(analyzed / "analysis.npz"), NEW_LIGHT, keep_detail=False).to_rgba()
+    with Image.open(target) as found:
+        assert np.array_equal(np.asarray(found.convert("RGBA")), expected)
+
+
+def test_an_orbit_is_an_animation(analyzed, tmp_path):
+    target = tmp_path / "orbit.gif"
+    assert main(["relight", str(analyzed), "--orbit", str(target), "--frames", "5", "--elevation", "30"]) == 0
+    with Image.open(target) as found:
+        assert found.n_frames == 5
+
+
+def test_samples_lists_every_shipped_drawing(capsys):
+    from toonkit.samples import sample_names, sample_path
+
+    assert main(["samples"]) == 0
+    said = capsys.readouterr().out
+    for name in sample_names():
+        assert re.search(
+            rf"^{re.escape(name)} +{re.escape(str(sample_path(name)))}$", said, flags=re.MULTILINE
+        )
+
+
+def test_a_shipped_drawing_is_named_by_its_prefix(tmp_path):
+    from toonkit.samples import sample_names
+
+    name = f"sample:{sample_names()[0]}"
+    assert (
+        main(["analyze", name, "--light", "135,45", "--method", "lumo", "-o", str(tmp_path), "--quiet"]) == 0
+    )
+    assert report_in(tmp_path)["drawing"] == name
+
+
+def test_the_version_is_the_packages(capsys):
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"toonkit {toonkit.__version__}\n"
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["analyze", "--help"], ["relight", "--help"]])
+def test_help_is_given(arguments, capsys):
+    assert main(arguments) == 0
+    assert capsys.readouterr().out.startswith("usage: toonkit")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        ("", "arguments are required: COMMAND"),
+        ("paint x", "invalid choice: 'paint'"),
+        ("analyze", "arguments are required: drawing"),
+        ("analyze {drawing}", "arguments are required: -o"),
+        ("analyze {drawing} -o {out} --method magic", "invalid choice: 'magic'"),
+        ("analyze {drawing} -o {out} --bogus", "unrecognized arguments: --bogus"),
+        ("analyze {drawing} -o {out} --light 135", "--light must be AZIMUTH,ELEVATION"),
+        ("analyze {drawing} -o {out} --light left", "--light must be AZIMUTH,ELEVATION"),
+        ("analyze {drawing} -o {out} --light 1,2,3", "--light must be AZIMUTH,ELEVATION"),
+        ("analyze {drawing} -o {out} --light 0,-10", "elevation must lie in 0 to 90"),
+        ("analyze {drawing} -o {out} --light nan,10", "azimuth must be a finite number"),
+        ("analyze {tmp}/nowhere.png -o {out}", "source must be an existing file"),
+        ("analyze {drawing} -o {drawing}", "folder must be a folder"),
+        ("analyze {drawing} -o {out} --mask {tmp}/nowhere.png", "mask must be an existing file"),
+        ("analyze sample:nothing -o {out}", "drawing must be one of"),
+        ("relight {tmp} --light 30,50 -o {tmp}/relit.png", "path must be an archive of an analysis"),
+        ("relight {drawing} --light 30,50 -o {tmp}/relit.png", "path must be an undamaged archive"),
+        ("relight {analyzed} --light 30,50", "relight needs -o FILE"),
+        ("relight {analyzed} -o {tmp}/relit.png", "needs one of --light AZ,EL and --orbit FILE; got neither"),
+        ("relight {analyzed} --light 1,2 --orbit {tmp}/a.gif", "needs one of .* got both"),
+        ("relight {analyzed} --orbit {tmp}/a.gif -o {tmp}/b.gif", "takes the animation's name from --orbit"),
+        ("relight {analyzed} --light 30,50 -o {tmp}/relit.jpg", r"path must end in \.png or \.webp"),
+        ("relight {analyzed} --light 30,50 -o {out}/relit.png", "path must lie in an existing folder"),
+        ("relight {analyzed} --orbit {tmp}/relit.mp4", r"path must end in \.gif"),
+        ("relight {analyzed} --orbit {tmp}/relit.gif --frames 1", "frames must be a whole number"),
+        ("relight {analyzed} --orbit {tmp}/relit.gif --frames many", "invalid int value: 'many'"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_in_one_line(drawing, analyzed, tmp_path, capsys, arguments, reason):
+    places = {"drawing": drawing, "analyzed": analyzed, "tmp": tmp_path, "out": tmp_path / "out"}
+    assert main([part.format(**places) for part in arguments.split()]) == 2
+    said, complained = capsys.readouterr()
+    assert said == ""
+    assert re.fullmatch(rf"toonkit: error: .*{reason}.*\n", complained)
+    assert not list(tmp_path.iterdir())  # nothing is left behind
+
+
+def test_a_mistake_of_ours_is_not_hidden(drawing, tmp_path, monkeypatch):
+    def broken(*_, **__):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(toonkit, "analyze", broken)
+    with pytest.raises(ZeroDivisionError):
+        main(["analyze", str(drawing), "--light", "135,45", "-o", str(tmp_path)])
+
+
+def test_an_interruption_ends_with_130(drawing, tmp_path, monkeypatch, capsys):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(toonkit, "analyze", interrupted)
+    assert main(["analyze", str(drawing), "--light", "135,45", "-o", str(tmp_path)]) == 130
+    assert capsys.readouterr().err.strip() == "toonkit: interrupted"
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_package_runs_as_a_program(analyzed, tmp_path):
+    shutil.copytree(analyzed, tmp_path / "moved")
+    command = [sys.executable, "-W", "error", "-m", "toonkit"]
+    done = subprocess.run(
+        [*command, "relight", tmp_path / "moved", "--light", "30,50", "-o", tmp_path / "relit.png"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "relit.png").exists()

@@ -1,0 +1,64 @@
+import numpy as np
+import pytest
+
+from tests.analytic import LIGHT, TWO_TONE, ellipse, painted
+from toonkit import ToonImage, ToonkitError, analyze, color_rmse, light_direction, relight, shade
+
+
+@pytest.fixture(scope="module")
+def analysis():
+    shape = ellipse(40, 28)
+    clean = painted(shape.normals, TWO_TONE, alpha=shape.coverage)
+    grain = 0.03 * np.random.default_rng(0).normal(size=(*shape.mask.shape, 1))
+    return analyze(ToonImage(np.clip(clean.color + grain, 0, 1), shape.mask, alpha=shape.coverage), LIGHT)
+
+
+def test_at_the_original_light_the_input_returns_unchanged(analysis):
+    again = relight(analysis, analysis.light)
+    # Sixteen digits, but for the rounding of c - M + M.
+    assert np.allclose(again.color[again.mask], analysis.image.color[again.mask], atol=1e-12)
+    assert np.array_equal(again.to_rgba(), analysis.image.to_rgba())
+
+
+def test_without_detail_the_model_paints(analysis):
+    light = light_direction(20, 40)
+    model = shade(analysis.normals, light, analysis.color_map)
+    assert np.array_equal(relight(analysis, light, keep_detail=False).color, model.color, equal_nan=True)
+
+
+def test_far_from_the_original_light_the_model_takes_over(analysis):
+    light = light_direction(-50, 40)
+    change = np.abs(analysis.normals.vectors @ light - analysis.illumination)
+    kept, model = relight(analysis, light), relight(analysis, light, keep_detail=False)
+    far = analysis.image.mask & (change > 0.5)
+    assert far.any()
+    assert np.abs(kept.color[far] - model.color[far]).max() < 1e-4
+
+
+def test_a_small_turn_of_the_light_changes_the_picture_little(analysis):
+    azimuth = 130
+    near, far = (relight(analysis, light_direction(azimuth + turn, 50)) for turn in (1, 10))
+    assert 0 < color_rmse(near, analysis.image) < color_rmse(far, analysis.image)
+
+
+def test_alpha_is_preserved(analysis):
+    assert np.array_equal(relight(analysis, [0, 1, 1]).alpha, analysis.image.alpha)
+
+
+def test_the_fringe_moves_with_the_nearest_object_pixel():
+    shape = ellipse(20, 20)
+    clean = painted(shape.normals, TWO_TONE, alpha=shape.coverage)
+    analysis = analyze(clean, LIGHT)
+    relit = relight(analysis, [1, -1, 1])
+    touched = ~np.isnan(clean.fringe[..., 0])
+    assert touched.any()
+    assert not np.isnan(relit.fringe[touched]).any()
+    assert np.abs(relit.fringe[touched] - clean.fringe[touched]).max() > 0.2
+
+
+@pytest.mark.parametrize(
+    ("light", "words"), [([0, 0, 0], "zero"), ([0, 0, -1], "behind"), ("up", "real numbers")]
+)
+def test_a_new_light_that_is_none_is_refused_by_its_name(analysis, light, words):
+    with pytest.raises(ToonkitError, match=f"new_light.*{words}"):
+        relight(analysis, light)

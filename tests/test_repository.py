@@ -1,0 +1,157 @@
+"""Facts about the repository itself: import layers, style, packaging, and what its texts promise."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+import toonkit
+from toonkit.export.picture import write_picture
+
+ROOT = Path(__file__).parent.parent
+PYPROJECT: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text())
+PROJECT: dict[str, Any] = PYPROJECT["project"]
+README = (ROOT / "README.md").read_text()
+HEAVY_PACKAGES = (
+    "panel",
+    "panel_material_ui",
+    "holoviews",
+    "bokeh",
+    "pyvista",
+    "vtk",
+    "trimesh",
+    "matplotlib",
+    "pandas",
+    "dask",
+)
+
+
+def run_tool(name: str, *arguments: str) -> None:
+    """Run a development tool of this Python's environment at the root; its complaint becomes the failure."""
+    scripts = Path(sys.executable).parent
+    tool = shutil.which(name, path=f"{scripts}{os.pathsep}{os.environ.get('PATH', '')}")
+    assert tool is not None, f"{name} is not installed: pip install '.[test]'"
+    done = subprocess.run([tool, *arguments], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def requirements(lines: list[str]) -> dict[str, str]:
+    """Package name -> version bounds, of requirement lines such as 'numpy>=2.0'."""
+    split = [re.fullmatch(r"([A-Za-z0-9._-]+)\s*(.*)", line) for line in lines]
+    return {found[1].lower().replace("_", "-"): found[2] for found in split if found}
+
+
+def test_every_module_imports_only_what_its_layer_allows() -> None:
+    run_tool("lint-imports", "--no-cache")
+
+
+def test_ruff_finds_nothing_to_complain_about() -> None:
+    run_tool("ruff", "check", "--no-cache", ".")
+
+
+def test_ruff_would_format_nothing_differently() -> None:
+    run_tool("ruff", "format", "--no-cache", "--check", ".")
+
+
+def test_mypy_strict_proves_the_types_of_the_package() -> None:
+    run_tool("mypy")
+
+
+def test_importing_toonkit_loads_no_drawing_library() -> None:
+    code = "import sys, toonkit; print(*sorted({name.partition('.')[0] for name in sys.modules}))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert set(done.stdout.split()).isdisjoint(HEAVY_PACKAGES)
+
+
+def test_every_public_name_exists() -> None:
+    code = "import toonkit; print(*(name for name in toonkit.__all__ if not hasattr(toonkit, name)))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+
+
+def test_every_folder_of_modules_is_a_package() -> None:
+    folders = {path.parent for path in (ROOT / "toonkit").rglob("*.py")}
+    assert sorted(str(f.relative_to(ROOT)) for f in folders if not (f / "__init__.py").is_file()) == []
+
+
+def test_every_data_file_of_the_package_is_installed_with_it() -> None:
+    package = ROOT / "toonkit"
+    patterns = PYPROJECT["tool"]["setuptools"]["package-data"]["toonkit"]
+    installed = {path for pattern in patterns for path in package.glob(pattern)}
+    files = {path for path in package.rglob("*") if path.is_file() and path.parent.name != "__pycache__"}
+    assert sorted(str(path) for path in files - installed if path.suffix != ".py") == []
+
+
+def test_every_data_pattern_of_the_package_matches_a_file() -> None:
+    patterns = PYPROJECT["tool"]["setuptools"]["package-data"]["toonkit"]
+    assert [pattern for pattern in patterns if not any((ROOT / "toonkit").glob(pattern))] == []
+
+
+def test_conda_and_pip_install_the_same_packages() -> None:
+    conda = yaml.safe_load((ROOT / "environment.yml").read_text())
+    from_conda = [line for line in conda["dependencies"] if isinstance(line, str) and line != "pip"]
+    (from_pip,) = (entry["pip"] for entry in conda["dependencies"] if isinstance(entry, dict))
+    assert "-e ." in from_pip
+    wanted = ["python" + PROJECT["requires-python"], *PROJECT["dependencies"]]
+    wanted += [line for extra in ("test", "study") for line in PROJECT["optional-dependencies"][extra]]
+    assert requirements([*from_conda, *(line for line in from_pip if line != "-e .")]) == requirements(wanted)
+
+
+def test_notebooks_are_committed_without_output() -> None:
+    cells = [
+        (path.name, cell)
+        for path in sorted((ROOT / "notebooks").rglob("*.ipynb"))
+        if ".ipynb_checkpoints" not in path.parts
+        for cell in json.loads(path.read_text())["cells"]
+    ]
+    assert [name for name, cell in cells if cell.get("outputs") or cell.get("execution_count")] == []
+
+
+def test_the_citation_and_the_changelog_carry_the_version_of_the_package() -> None:
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    released = re.findall(r"^## \[(\d[^\]]*)\]", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    assert {str(citation["version"]), released[0], toonkit.__version__} == {PROJECT["version"]}
+
+
+@pytest.mark.parametrize("marker", ["dashboard command", "test command"])
+def test_readme_holds_each_of_its_two_commands_as_one_line(marker: str) -> None:
+    blocks = re.findall(rf"^<!-- {marker} -->\n```bash\n(.*?)\n```$", README, re.MULTILINE | re.DOTALL)
+    assert [block.count("\n") for block in blocks] == [0]
+
+
+def test_the_python_of_readme_relights_a_drawing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rows, columns = np.mgrid[-24:25, -24:25]
+    disc = rows**2 + columns**2 <= 20**2
+    ramp = toonkit.ColorMap(np.array([[0.2, 0.1, 0.3], [0.8, 0.5, 0.4], [1.0, 0.9, 0.7]]), (-1.0, 1.0))
+    drawing = toonkit.shade(toonkit.inflate(disc), toonkit.light_direction(135, 45), ramp)
+    monkeypatch.chdir(tmp_path)
+    write_picture(drawing, "drawing.png")
+    (code,) = re.findall(r"^```python\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
+    exec(compile(code, "README.md", "exec"), {})
+    relit = toonkit.load_image("relit.png")
+    assert np.array_equal(relit.mask, disc)
+    assert toonkit.color_rmse(relit, drawing) > 0.05  # the light went from the upper left to the upper right
+
+
+def test_ci_runs_the_test_command_of_readme_and_no_other() -> None:
+    script = (ROOT / ".ci" / "run").read_text()
+    assert os.access(ROOT / ".ci" / "run", os.X_OK)
+    assert "<!-- test command -->" in script
+    assert re.search(r"\bpip\b|\bpytest -|apt-get", script) is None
+
+
+def test_every_file_that_readme_points_to_exists() -> None:
+    targets = {target.partition("#")[0] for target in re.findall(r"\]\(([^)\s]+)\)", README)}
+    local = {target for target in targets if target and "://" not in target}
+    assert sorted(target for target in local if not (ROOT / target).exists()) == []

@@ -1,0 +1,63 @@
+"""
+toonkit: the shape and the colors behind a cartoon-shaded drawing, and that drawing under a new light.
+
+The model is c = M(L · N). Where to read what, in the order of the paper:
+
+    Section 3      toonkit.model                       pictures, lights, normals, color maps, shading
+    Section 3.1    toonkit.estimation.inflation        initial normals (Eq. 1)
+    Section 3.2    toonkit.estimation.color_map_fit    the color map by rank matching; light_fit the light
+    Section 3.3    toonkit.estimation.energy           what is minimized (Eqs. 2 to 6); refinement minimizes it
+    Section 3.4    toonkit.relighting                  relighting (Eq. 7)
+    Section 4      toonkit.methods, toonkit.metrics    the estimators compared, and how
+"""
+
+from toonkit._validation import ToonkitError
+from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.color_map_fit import fit_color_map, illumination_interval
+from toonkit.estimation.inflation import inflate
+from toonkit.estimation.light_fit import LightEstimate, estimate_light
+from toonkit.estimation.refinement import RefinementOptions, refine
+from toonkit.heightfield import HeightField, height_map, height_mesh
+from toonkit.methods import METHODS, analyze
+from toonkit.metrics import angular_error, color_difference, color_rmse, illumination_error, relight_response
+from toonkit.model.color_map import ColorMap, IlluminationInterval
+from toonkit.model.image import ToonImage
+from toonkit.model.light import light_angles, light_direction
+from toonkit.model.loading import load_image
+from toonkit.model.normals import NormalField
+from toonkit.model.shading import illumination, shade
+from toonkit.relighting import relight
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "METHODS",
+    "ColorMap",
+    "HeightField",
+    "IlluminationInterval",
+    "LightEstimate",
+    "NormalField",
+    "RefinementOptions",
+    "ToonAnalysis",
+    "ToonImage",
+    "ToonkitError",
+    "analyze",
+    "angular_error",
+    "color_difference",
+    "color_rmse",
+    "estimate_light",
+    "fit_color_map",
+    "height_map",
+    "height_mesh",
+    "illumination",
+    "illumination_error",
+    "illumination_interval",
+    "inflate",
+    "light_angles",
+    "light_direction",
+    "load_image",
+    "refine",
+    "relight",
+    "relight_response",
+    "shade",
+]

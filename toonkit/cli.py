@@ -1,0 +1,288 @@
+"""The command line: `toonkit analyze`, `toonkit relight`, `toonkit samples`.
+
+Everything heavy is imported inside the commands, so that `toonkit --version` and `--help` answer at once.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from toonkit._validation import ToonkitError, refuse
+
+if TYPE_CHECKING:
+    from toonkit._validation import FloatArray
+    from toonkit.analysis import ToonAnalysis
+
+METHOD_NAMES = ("toonkit", "todo", "lumo", "lambert")
+"""The keys of `toonkit.METHODS`, repeated so that the help does not have to import them."""
+
+SAMPLE_PREFIX = "sample:"
+
+_EXIT_REFUSED = 2
+_EXIT_INTERRUPTED = 130
+_BAR = "{desc:<24.24}|{bar}| {percentage:3.0f}% {elapsed}"
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """
+    Run the command line.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments without the program's name; those of the process by default.
+
+    Returns
+    -------
+    int
+        0 if all went well, 2 if the input was refused (one line on stderr says why), 130 if interrupted.
+    """
+    try:
+        arguments = _parser().parse_args(_joined_lights(sys.argv[1:] if argv is None else argv))
+        return int(arguments.run(arguments))
+    except ToonkitError as error:
+        message = " ".join(str(error).split())
+        print(f"toonkit: error: {message}", file=sys.stderr)
+        return _EXIT_REFUSED
+    except KeyboardInterrupt:
+        print("toonkit: interrupted", file=sys.stderr)
+        return _EXIT_INTERRUPTED
+    except SystemExit as stop:  # argparse, after --help or a usage error
+        return stop.code if isinstance(stop.code, int) else _EXIT_REFUSED
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong in one line, without the usage."""
+        self.exit(_EXIT_REFUSED, f"toonkit: error: {message} (see {self.prog} --help)\n")
+
+
+class _Version(argparse.Action):
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        import toonkit  # noqa: PLC0415
+
+        print(f"toonkit {toonkit.__version__}")
+        parser.exit()
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="toonkit",
+        description="Recover the shape and the colors behind a cartoon-shaded drawing, and relight it.",
+    )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and stop")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", title="commands")
+
+    analyze = commands.add_parser("analyze", help="take a drawing apart into light, normals and color map")
+    analyze.add_argument(
+        "drawing", help=f"picture file, or {SAMPLE_PREFIX}NAME for a drawing that toonkit ships"
+    )
+    analyze.add_argument(
+        "-o", "--out", required=True, metavar="FOLDER", help="where to write; created if need be"
+    )
+    analyze.add_argument(
+        "--light",
+        default="auto",
+        metavar="AZ,EL",
+        help="the light it was painted under, in degrees: azimuth counter-clockwise from the right, "
+        'elevation from the paper toward you; "auto" (default) estimates it',
+    )
+    analyze.add_argument(
+        "--mask", metavar="FILE", help="picture that is white (or opaque) where the object is"
+    )
+    analyze.add_argument(
+        "--method", choices=METHOD_NAMES, default="toonkit", help="estimator (default: toonkit)"
+    )
+    analyze.add_argument("--quiet", action="store_true", help="no progress bar and no summary")
+    analyze.set_defaults(run=_analyze)
+
+    relight = commands.add_parser("relight", help="paint an analyzed drawing under another light")
+    relight.add_argument("analysis", help="the folder that `toonkit analyze` wrote, or its analysis.npz")
+    relight.add_argument("--light", metavar="AZ,EL", help="the new light, in degrees")
+    relight.add_argument("-o", "--out", metavar="FILE", help="picture to write, .png or .webp")
+    relight.add_argument(
+        "--orbit", metavar="FILE", help="animation to write, .gif, .webp or .apng: the light circles"
+    )
+    relight.add_argument(
+        "--frames", type=int, default=36, metavar="N", help="frames of the animation (default: 36)"
+    )
+    relight.add_argument(
+        "--elevation", type=float, metavar="EL", help="elevation of the circling light, in degrees"
+    )
+    relight.add_argument(
+        "--model-only",
+        action="store_true",
+        help="paint with the color map alone, without the drawing's own detail",
+    )
+    relight.add_argument("--quiet", action="store_true", help="no progress bar and no summary")
+    relight.set_defaults(run=_relight)
+
+    samples = commands.add_parser("samples", help="list the drawings that toonkit ships")
+    samples.set_defaults(run=_samples)
+    return parser
+
+
+def _joined_lights(argv: Sequence[str]) -> list[str]:
+    """Join `--light -30,50` into `--light=-30,50`: argparse takes a leading minus for an option."""
+    joined: list[str] = []
+    for argument in argv:
+        if joined and joined[-1] == "--light" and re.match(r"-[\d.]", argument):
+            joined[-1] = f"--light={argument}"
+        else:
+            joined.append(argument)
+    return joined
+
+
+def _parse_light(text: str) -> FloatArray:
+    from toonkit.model.light import light_direction  # noqa: PLC0415
+
+    try:
+        azimuth, elevation = (float(part) for part in text.split(","))
+    except ValueError:
+        raise refuse("--light", "must be AZIMUTH,ELEVATION in degrees, such as 135,45", repr(text)) from None
+    return light_direction(azimuth, elevation)
+
+
+def _analyze(arguments: argparse.Namespace) -> int:
+    import toonkit  # noqa: PLC0415
+    from toonkit.export.folder import make_folder, write_analysis_folder  # noqa: PLC0415
+    from toonkit.metrics import color_rmse  # noqa: PLC0415
+
+    given = None if arguments.light == "auto" else _parse_light(arguments.light)
+    with _Progress(visible=not arguments.quiet) as progress:
+        progress("reading the drawing", 0.0)
+        image = toonkit.load_image(_drawing(arguments.drawing), mask=arguments.mask)
+        folder = make_folder(arguments.out)  # before the long work, so that a bad name costs no time
+        light, confidence = given, None
+        if light is None:
+            progress("estimating the light", 0.0)
+            estimate = toonkit.estimate_light(image)
+            light, confidence = estimate.light, float(estimate.confidence)
+        analysis = toonkit.analyze(image, light, method=arguments.method, progress=progress)
+        progress("writing", 1.0)
+        notes: dict[str, Any] = {
+            "drawing": arguments.drawing,
+            "light_source": "estimated" if given is None else "given",
+            "light_confidence": confidence,
+            "input_fit_rmse": float(color_rmse(analysis.picture, image)),
+            "seconds": progress.seconds(),
+        }
+        written = write_analysis_folder(analysis, folder, notes=notes)
+    if not arguments.quiet:
+        _summarize(analysis, arguments.drawing, folder, notes)
+        width = max(len(path.name) for path in written)
+        for path, what in written.items():
+            print(f"  {path.name:<{width}}  {what}")
+    return 0
+
+
+def _summarize(analysis: ToonAnalysis, drawing: str, folder: Path, notes: dict[str, Any]) -> None:
+    from toonkit.model.light import light_angles  # noqa: PLC0415
+
+    azimuth, elevation = light_angles(analysis.light)
+    source = notes["light_source"]
+    if notes["light_confidence"] is not None:
+        source += f", confidence {notes['light_confidence']:.2f}"
+    seconds = sum(notes["seconds"].values())
+    print(f"{drawing}: {int(analysis.image.mask.sum()):,} pixels analyzed in {seconds:.1f} s")
+    print(f"light: azimuth {round(azimuth) % 360}°, elevation {elevation:.0f}° ({source})")
+    print(f"written to {folder}:")
+
+
+def _relight(arguments: argparse.Namespace) -> int:
+    if (arguments.light is None) == (arguments.orbit is None):
+        raise refuse(
+            "relight", "needs one of --light AZ,EL and --orbit FILE", "both" if arguments.light else "neither"
+        )
+    if arguments.light is not None and arguments.out is None:
+        raise refuse("relight", "needs -o FILE beside --light", "no -o")
+    if arguments.orbit is not None and arguments.out is not None:
+        raise refuse("relight", "takes the animation's name from --orbit alone", f"-o {arguments.out} too")
+    light = None if arguments.light is None else _parse_light(arguments.light)
+
+    from toonkit.export.animation import write_orbit  # noqa: PLC0415
+    from toonkit.export.archive import load_analysis  # noqa: PLC0415
+    from toonkit.export.folder import ARCHIVE_NAME  # noqa: PLC0415
+    from toonkit.export.picture import write_picture  # noqa: PLC0415
+    from toonkit.relighting import relight  # noqa: PLC0415
+
+    source = Path(arguments.analysis).expanduser()
+    analysis = load_analysis(source / ARCHIVE_NAME if source.is_dir() else source)
+    keep_detail = not arguments.model_only
+    if light is not None:
+        target = arguments.out
+        write_picture(relight(analysis, light, keep_detail=keep_detail), target)
+    else:
+        target = arguments.orbit
+        with _Progress(visible=not arguments.quiet) as progress:
+            write_orbit(
+                analysis,
+                target,
+                frames=arguments.frames,
+                elevation=arguments.elevation,
+                keep_detail=keep_detail,
+                progress=lambda fraction: progress("painting frames", fraction),
+            )
+    if not arguments.quiet:
+        print(f"written to {target}")
+    return 0
+
+
+def _samples(_: argparse.Namespace) -> int:
+    from toonkit import samples  # noqa: PLC0415
+
+    names = samples.sample_names()
+    width = max(len(name) for name in names)
+    for name in names:
+        print(f"{name:<{width}}  {samples.sample_path(name)}")
+    print(f"\ntry: toonkit analyze {SAMPLE_PREFIX}{names[0]} -o out/")
+    return 0
+
+
+def _drawing(name: str) -> str | Path:
+    if not name.startswith(SAMPLE_PREFIX):
+        return name
+    from toonkit import samples  # noqa: PLC0415
+
+    sample, names = name.removeprefix(SAMPLE_PREFIX), samples.sample_names()
+    if sample not in names:
+        raise refuse("drawing", f"must be one of {', '.join(names)} after {SAMPLE_PREFIX}", repr(sample))
+    return Path(samples.sample_path(sample))
+
+
+class _Progress:
+    """Callback that moves a bar on stderr, if that is a terminal, and keeps the time of each step."""
+
+    def __init__(self, *, visible: bool) -> None:
+        from tqdm import tqdm  # noqa: PLC0415
+
+        self._bar = tqdm(
+            total=1.0, bar_format=_BAR, file=sys.stderr, leave=False, disable=None if visible else True
+        )
+        self._steps: list[tuple[str, float]] = []
+
+    def __enter__(self) -> _Progress:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.close()
+
+    def __call__(self, step: str, fraction: float) -> None:
+        self._bar.update(min(max(fraction, 0.0), 1.0) - self._bar.n)
+        if not self._steps or self._steps[-1][0] != step:
+            self._steps.append((step, time.perf_counter()))
+            self._bar.set_description_str(step)
+
+    def seconds(self) -> dict[str, float]:
+        """Return the seconds spent in each step so far; a step entered twice counts once, with both times."""
+        ends = [start for _, start in self._steps[1:]] + [time.perf_counter()]
+        spent: dict[str, float] = {}
+        for (step, start), end in zip(self._steps, ends, strict=True):
+            spent[step] = round(spent.get(step, 0.0) + end - start, 4)
+        return spent

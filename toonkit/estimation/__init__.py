@@ -1,0 +1,1 @@
+"""The paper's steps, one module a step."""

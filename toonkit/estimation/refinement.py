@@ -1,0 +1,209 @@
+"""Normal refinement (Section 3.3): an energy and a solver make normals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from toonkit._validation import FloatArray, as_light, is_number, refuse, same_shape
+from toonkit.estimation.energy import ChangeEnergy, PrintedEnergy, ShadingTerm
+from toonkit.estimation.silhouette import trace_silhouette
+from toonkit.model.color_map import IlluminationInterval
+from toonkit.model.normals import NormalField
+from toonkit.numerics.gauss_seidel import over_relaxed_sweeps
+from toonkit.numerics.masked_grid import MaskedGrid, block_sums
+from toonkit.numerics.membrane import uniform_links
+from toonkit.numerics.report import SolverReport
+from toonkit.numerics.unit_field import UnitFieldProblem, solve_unit_field
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class RefinementOptions:
+    """
+    What our refinement weighs, in lengths relative to the object.
+
+    Attributes
+    ----------
+    change_length : float
+        Over what length the change of the normals is smooth, in units of sqrt(object area).
+    integrability_length : float
+        Over what length the field is integrable, in the same units.
+    rim_hold : float
+        How firmly the silhouette's normals hold, 0 (free) to 1 (as firmly as neighbors hold each other).
+    sweeps : int
+        Sweeps allowed on each grid.
+    """
+
+    change_length: float = 0.001
+    integrability_length: float = 0.005
+    rim_hold: float = 1.0
+    sweeps: int = 50
+
+    def __post_init__(self) -> None:
+        for name in ("change_length", "integrability_length", "rim_hold"):
+            value = getattr(self, name)
+            if not is_number(value) or value < 0:
+                raise refuse(name, "must be a number >= 0", value)
+        if self.sweeps < 1:
+            raise refuse("sweeps", "must be at least 1", self.sweeps)
+
+
+@dataclass(frozen=True, eq=False)
+class Refinement:
+    """
+    Result of a refinement.
+
+    Attributes
+    ----------
+    normals : NormalField
+        Refined normals.
+    report : SolverReport
+        Iterations, energies and why it stopped.
+    """
+
+    normals: NormalField
+    report: SolverReport
+
+
+def refine(
+    initial_normals: NormalField,
+    light: ArrayLike,
+    interval: IlluminationInterval,
+    *,
+    alpha: FloatArray | None = None,
+    options: RefinementOptions | None = None,
+    progress: Progress | None = None,
+) -> Refinement:
+    """
+    Refine normals so that their illumination fits the painted colors, changing them smoothly.
+
+    Parameters
+    ----------
+    initial_normals : NormalField
+        N0.
+    light : array_like, shape (3,)
+        Direction from the surface to the light.
+    interval : IlluminationInterval
+        Range of illumination that each pixel's color allows, bounds of shape (H, W).
+    alpha : ndarray, shape (H, W), optional
+        Coverage, which places the outline between pixels; the mask's own by default.
+    options : RefinementOptions, optional
+        Weights.
+    progress : callable, optional
+        Called with the fraction done, 0 to 1; what it raises stops the refinement.
+
+    Returns
+    -------
+    Refinement
+        Normals and report; not having converged is a state in it, not an error.
+
+    Raises
+    ------
+    ToonkitError
+        If the light is refused or the interval has another size or is unknown on the object.
+
+    Notes
+    -----
+    Minimizes `toonkit.estimation.energy.ChangeEnergy`.
+    """
+    options = options or RefinementOptions()
+    grid = MaskedGrid(initial_normals.mask)
+    start = initial_normals.vectors[grid.mask]
+    shading = _shading_term(grid, light, interval)
+    size = float(np.sqrt(grid.size))
+    silhouette = trace_silhouette(grid, grid.mask.astype(np.float64) if alpha is None else alpha)
+    ties = options.rim_hold * block_sums(silhouette.pixels, 1.0 / silhouette.distances, grid.size)
+    energy = ChangeEnergy(
+        grid, shading, start, ties, options.change_length * size, options.integrability_length * size
+    )
+    problem = UnitFieldProblem(
+        grid=grid,
+        start=start,
+        direction=shading.light,
+        lower=shading.lower,
+        upper=shading.upper,
+        weight=np.ones(grid.size),
+        links=uniform_links(grid),
+        ties=ties,
+        change_weight=energy.change_length**2,
+        integrability_weight=energy.integrability_length**2,
+    )
+    field, report = solve_unit_field(problem, energy=energy.value, sweeps=options.sweeps, progress=progress)
+    return Refinement(NormalField(grid.scatter(field), grid.mask), report)
+
+
+def refine_as_printed(
+    initial_normals: NormalField,
+    light: ArrayLike,
+    interval: IlluminationInterval,
+    *,
+    rho: float,
+    smoothness: float,
+    relaxation: float = 1.5,
+    max_sweeps: int = 500,
+    tolerance: float = 1e-5,
+    progress: Progress | None = None,
+) -> Refinement:
+    """
+    Refine normals by Eq. 5 with Gauss-Seidel and successive over-relaxation, from N0: the paper's own way.
+
+    Parameters
+    ----------
+    initial_normals : NormalField
+        N0.
+    light : array_like, shape (3,)
+        Direction from the surface to the light.
+    interval : IlluminationInterval
+        Range of illumination that each pixel's color allows; lower = upper gives Eq. 3.
+    rho, smoothness : float
+        The paper's rho and lambda, per pixel.
+    relaxation : float, optional
+        Over-relaxation factor.
+    max_sweeps : int, optional
+        Sweeps allowed.
+    tolerance : float, optional
+        Relative decrease of the energy in one sweep below which it stands still.
+    progress : callable, optional
+        Called with the fraction done, 0 to 1; what it raises stops the refinement.
+
+    Returns
+    -------
+    Refinement
+        Normals and report.
+
+    Raises
+    ------
+    ToonkitError
+        If the light is refused or the interval has another size or is unknown on the object.
+    """
+    grid = MaskedGrid(initial_normals.mask)
+    shading = _shading_term(grid, light, interval)
+    energy = PrintedEnergy(grid, shading, rho, smoothness)
+    field, report = over_relaxed_sweeps(
+        grid,
+        initial_normals.vectors[grid.mask],
+        shading.light,
+        shading.lower,
+        shading.upper,
+        rho=rho,
+        smoothness=smoothness,
+        relaxation=relaxation,
+        max_sweeps=max_sweeps,
+        tolerance=tolerance,
+        energy=energy.value,
+        progress=progress,
+    )
+    return Refinement(NormalField(grid.scatter(field), grid.mask), report)
+
+
+def _shading_term(grid: MaskedGrid, light: ArrayLike, interval: IlluminationInterval) -> ShadingTerm:
+    for name, bound in (("interval.lower", interval.lower), ("interval.upper", interval.upper)):
+        same_shape(name, bound.shape, grid.mask.shape, "the normals")
+        if np.isnan(bound[grid.mask]).any():
+            raise refuse(name, "must be known on the object", "NaN")
+    return ShadingTerm(as_light("light", light), interval.lower[grid.mask], interval.upper[grid.mask])

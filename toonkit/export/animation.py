@@ -1,0 +1,162 @@
+"""A light that circles the object, as an animated picture."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from PIL import Image
+
+from toonkit._validation import is_number, refuse
+from toonkit.analysis import ToonAnalysis
+from toonkit.export.atomic import PathLike, atomic_write, suffix_of
+from toonkit.model.light import light_angles, light_direction
+from toonkit.relighting import relight
+
+FRAME_MILLISECONDS = 60
+"""How long a frame is shown: at 36 frames, one turn takes about two seconds."""
+
+_STEEPEST = 60.0  # degrees: a light at the viewer's eye would circle without any change
+_SHALLOWEST = 15.0
+_PALETTE_SAMPLES = 8
+_PALETTE_SIDE = 256
+_GIF_COLORS = 255  # one of 256 is left for transparency
+
+
+def write_orbit(
+    analysis: ToonAnalysis,
+    path: PathLike,
+    *,
+    frames: int = 36,
+    elevation: float | None = None,
+    keep_detail: bool = True,
+    progress: Callable[[float], None] | None = None,
+) -> None:
+    """
+    Write an endless animation of the light going once around the object.
+
+    Parameters
+    ----------
+    analysis : ToonAnalysis
+        Any method's result.
+    path : path
+        Ends in .gif (256 colors, hard outline), .webp, .apng or .png (an APNG); all but GIF are lossless with
+        soft alpha.
+    frames : int, optional
+        Number of frames, at least 2.
+    elevation : float, optional
+        Degrees, 0 to 90; by default that of the analyzed light, kept within 15 to 60.
+    keep_detail : bool, optional
+        As in `relight`.
+    progress : callable, optional
+        Called with the fraction done, 0..1, after each frame.
+
+    Raises
+    ------
+    ToonkitError
+        If an argument breaks these rules or the file cannot be written.
+
+    Notes
+    -----
+    The first frame has the azimuth of the analyzed light, which then turns counter-clockwise.
+    """
+    suffix = suffix_of(path, (".gif", ".webp", ".apng", ".png"))
+    if not isinstance(frames, int | np.integer) or frames < 2:
+        raise refuse("frames", "must be a whole number of at least 2", frames)
+    azimuth, analyzed_elevation = light_angles(analysis.light)
+    if elevation is None:
+        elevation = min(max(analyzed_elevation, _SHALLOWEST), _STEEPEST)
+    elif not is_number(elevation) or not 0 <= elevation <= 90:
+        raise refuse("elevation", "must lie in 0 to 90 degrees", elevation)
+    azimuths = azimuth + np.arange(frames) * (360 / frames)
+
+    def picture(index: int) -> Image.Image:
+        relit = relight(analysis, light_direction(float(azimuths[index]), elevation), keep_detail=keep_detail)
+        return Image.fromarray(relit.to_rgba())
+
+    def pictures() -> Iterator[Image.Image]:
+        for index in range(frames):
+            yield picture(index)
+            if progress is not None:
+                progress((index + 1) / frames)
+
+    if suffix == ".gif":
+        palette = _common_palette([picture(i) for i in range(0, frames, max(1, frames // _PALETTE_SAMPLES))])
+        encoded = _encode_gif(pictures(), palette)
+    else:
+        encoded = _encode_webp(pictures()) if suffix == ".webp" else _encode_apng(pictures())
+    with atomic_write(path) as file:
+        file.write(encoded)
+
+
+def _encode_webp(pictures: Iterator[Image.Image]) -> bytes:
+    encoded = io.BytesIO()
+    next(pictures).save(
+        encoded,
+        "WEBP",
+        save_all=True,
+        append_images=pictures,
+        duration=FRAME_MILLISECONDS,
+        loop=0,
+        lossless=True,
+    )
+    return encoded.getvalue()
+
+
+def _encode_apng(pictures: Iterator[Image.Image]) -> bytes:
+    encoded = io.BytesIO()
+    first, *others = pictures  # Pillow goes through them twice
+    first.save(
+        encoded,
+        "PNG",
+        save_all=True,
+        append_images=others,
+        duration=FRAME_MILLISECONDS,
+        loop=0,
+        blend=0,  # each frame replaces the one before, alpha included
+    )
+    return encoded.getvalue()
+
+
+def _common_palette(samples: list[Image.Image]) -> Image.Image:
+    """One palette for all frames, so that a color that stays does not flicker."""
+    small = [sample.copy() for sample in samples]
+    for image in small:
+        image.thumbnail((_PALETTE_SIDE, _PALETTE_SIDE), Image.Resampling.NEAREST)
+    painted = np.concatenate([_opaque_colors(image) for image in small])
+    strip = Image.fromarray(painted[None])
+    return strip.quantize(_GIF_COLORS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+
+
+def _opaque_colors(image: Image.Image) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+    rgba = np.asarray(image)
+    colors: np.ndarray[tuple[int, ...], np.dtype[np.uint8]] = rgba[rgba[..., 3] >= 128][:, :3]
+    return colors
+
+
+def _encode_gif(pictures: Iterator[Image.Image], palette: Image.Image) -> bytes:
+    encoded = io.BytesIO()
+    indexed = (_to_palette(picture, palette) for picture in pictures)
+    next(indexed).save(
+        encoded,
+        "GIF",
+        save_all=True,
+        append_images=indexed,
+        duration=FRAME_MILLISECONDS,
+        loop=0,
+        disposal=2,  # back to transparent: the outline does not move, but shadows of partial frames would
+        transparency=_GIF_COLORS,
+        optimize=False,  # or the palette is reordered and the transparent index with it
+    )
+    return encoded.getvalue()
+
+
+def _to_palette(picture: Image.Image, palette: Image.Image) -> Image.Image:
+    indexed = picture.convert("RGB").quantize(palette=palette, dither=Image.Dither.NONE)
+    index = np.asarray(indexed).copy()
+    index[np.asarray(picture)[..., 3] < 128] = _GIF_COLORS
+    hard = Image.fromarray(index)
+    colors = (palette.getpalette() or [])[: 3 * _GIF_COLORS]
+    hard.putpalette(colors + [0] * (768 - len(colors)))
+    return hard

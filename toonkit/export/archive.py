@@ -1,0 +1,136 @@
+"""Archives: an analysis as one .npz file, exact to the last bit and free of pickle."""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toonkit._validation import BoolArray, FloatArray, ToonkitError, refuse
+from toonkit.analysis import ToonAnalysis
+from toonkit.export.atomic import PathLike, atomic_write, suffix_of
+from toonkit.model.color_map import ColorMap
+from toonkit.model.image import ToonImage
+from toonkit.model.normals import NormalField
+from toonkit.numerics.report import SolverReport
+
+FORMAT_VERSION = 1
+"""Raised whenever an older toonkit could misread a newer archive."""
+
+# What numpy raises for a file that is cut off, altered, a bare .npy array (no context manager) or pickled.
+_DAMAGED = (OSError, ValueError, EOFError, TypeError, AttributeError, zipfile.BadZipFile, zlib.error)
+
+
+def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
+    """
+    Write an analysis to one file.
+
+    Parameters
+    ----------
+    analysis : ToonAnalysis
+        Any method's result.
+    path : path
+        Ends in .npz. An older file is replaced once the new one is complete.
+
+    Raises
+    ------
+    ToonkitError
+        If the suffix is another or the file cannot be written.
+    """
+    suffix_of(path, (".npz",))
+    image, report = analysis.image, analysis.report
+    touched = (image.alpha > 0) & ~image.mask
+    fields: dict[str, NDArray[Any]] = {
+        "format_version": np.array(FORMAT_VERSION),
+        "method": np.array(analysis.method),
+        "light": analysis.light,
+        "mask": image.mask,
+        "alpha": image.alpha,
+        # Nothing outside the mask is a number: only what is inside is stored, row by row.
+        "color": image.color[image.mask],
+        "fringe": image.fringe[touched],
+        "normals": analysis.normals.vectors[image.mask],
+        "initial_normals": analysis.initial_normals.vectors[image.mask],
+        "color_map_colors": analysis.color_map.colors,
+        "color_map_domain": np.array(analysis.color_map.domain),
+        "report_iterations": np.array(report.iterations),
+        "report_energies": np.asarray(report.energies),
+        "report_reason": np.array(report.reason),
+        "report_converged": np.array(report.converged),
+    }
+    with atomic_write(path) as file:
+        np.savez_compressed(file, allow_pickle=False, **fields)
+
+
+def load_analysis(path: PathLike) -> ToonAnalysis:
+    """
+    Read an analysis written by `save_analysis`.
+
+    Parameters
+    ----------
+    path : path
+        The .npz file. Nothing in it is executed: a file from a stranger is safe to open.
+
+    Returns
+    -------
+    ToonAnalysis
+        Equal to the one saved, bit for bit.
+
+    Raises
+    ------
+    ToonkitError
+        If the file is missing, damaged, no archive of an analysis, or of another version.
+    """
+    file = Path(path).expanduser()
+    if not file.is_file():
+        raise refuse("path", "must be an archive of an analysis", f"{path}, which is not a file")
+    try:
+        # Opened here, because numpy leaves a damaged file open.
+        with file.open("rb") as opened, np.load(opened, allow_pickle=False) as archive:
+            fields = dict(archive.items())
+    except _DAMAGED as error:
+        raise refuse("path", "must be an undamaged archive of an analysis", f"{path} ({error})") from error
+    if "format_version" not in fields:
+        raise refuse("path", "must be an archive of an analysis", f"{path}, which holds {sorted(fields)}")
+    version = fields["format_version"]
+    if version.shape != () or version != FORMAT_VERSION:
+        rule = f"must be of version {FORMAT_VERSION} (written by this toonkit)"
+        raise refuse("path", rule, f"{path} of version {version}")
+    try:
+        return _assemble(fields)
+    except (KeyError, IndexError, TypeError, ToonkitError, ValueError) as error:
+        raise refuse("path", "must be a complete archive of an analysis", f"{path} ({error})") from error
+
+
+def _assemble(fields: dict[str, NDArray[Any]]) -> ToonAnalysis:
+    mask, alpha = fields["mask"], fields["alpha"]
+    return ToonAnalysis(
+        image=ToonImage(
+            _spread(fields["color"], mask),
+            mask,
+            alpha=alpha,
+            fringe=_spread(fields["fringe"], (alpha > 0) & ~mask),
+        ),
+        method=str(fields["method"]),
+        light=fields["light"],
+        normals=NormalField(_spread(fields["normals"], mask), mask),
+        initial_normals=NormalField(_spread(fields["initial_normals"], mask), mask),
+        color_map=ColorMap(fields["color_map_colors"], tuple(fields["color_map_domain"].tolist())),
+        report=SolverReport(
+            iterations=int(fields["report_iterations"]),
+            energies=fields["report_energies"],
+            reason=str(fields["report_reason"]),
+            converged=bool(fields["report_converged"]),
+        ),
+    )
+
+
+def _spread(values: FloatArray, where: BoolArray) -> FloatArray:
+    """Put (P, 3) values back into a (H, W, 3) field, NaN elsewhere."""
+    field = np.full((*where.shape, 3), np.nan)
+    field[where] = values
+    return field

@@ -1,0 +1,98 @@
+"""Color maps as files: a strip of pixels for engines and painters, JSON for exact values."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from toonkit._validation import ToonkitError, refuse
+from toonkit.export.atomic import PathLike, atomic_write, suffix_of
+from toonkit.export.picture import encode_picture
+from toonkit.model.color_map import ColorMap
+from toonkit.model.decoding import read_pixels
+
+STRIP_SIZE = (32, 512)
+"""Height and width of a strip in pixels."""
+
+FORMAT_VERSION = 1
+
+
+def write_color_map(color_map: ColorMap, path: PathLike) -> None:
+    """
+    Write a color map.
+
+    Parameters
+    ----------
+    color_map : ColorMap
+        M.
+    path : path
+        Ends in .json for its samples and domain, exactly; in .png for an 8-bit strip over all of the
+        illumination, L · N = -1 in the leftmost column to +1 in the rightmost, which is what a shader reads
+        at 0.5 + 0.5 L · N.
+
+    Raises
+    ------
+    ToonkitError
+        If the suffix is another or the file cannot be written.
+    """
+    suffix = suffix_of(path, (".png", ".json"))
+    if suffix == ".json":
+        content = json.dumps(_as_json(color_map)).encode() + b"\n"
+    else:
+        height, width = STRIP_SIZE
+        row = np.round(color_map(np.linspace(-1.0, 1.0, width)) * 255).astype(np.uint8)
+        content = encode_picture(np.repeat(row[None], height, axis=0), suffix)
+    with atomic_write(path) as file:
+        file.write(content)
+
+
+def read_color_map(path: PathLike) -> ColorMap:
+    """
+    Read a color map.
+
+    Parameters
+    ----------
+    path : path
+        A .json file of `write_color_map`; or a .png strip, painted by anyone: its middle row is read, from -1
+        at the left to +1 at the right.
+
+    Returns
+    -------
+    ColorMap
+        Exactly what was written to JSON; from a strip, one sample a column, rounded as the strip is.
+
+    Raises
+    ------
+    ToonkitError
+        If the file is missing, of another kind, or its colors do not go from dark to bright.
+    """
+    if suffix_of(path, (".png", ".json")) == ".png":
+        strip = read_pixels("path", path).color
+        return ColorMap(strip[len(strip) // 2])
+    try:
+        found = json.loads(Path(path).expanduser().read_text(encoding="utf-8"))
+    except OSError as error:
+        raise refuse("path", "must be a readable file", f"{path} ({error.strerror})") from error
+    except ValueError as error:
+        raise refuse("path", "must hold JSON", f"{path} ({error})") from error
+    if not isinstance(found, dict) or found.get("format") != "toonkit color map":
+        raise refuse("path", "must be a color map written by toonkit", f"{path}")
+    version = found.get("version")
+    if version != FORMAT_VERSION:
+        raise refuse("path", f"must be of version {FORMAT_VERSION}", f"{path} of version {version}")
+    try:
+        return ColorMap(np.array(found["colors"], dtype=np.float64), tuple(found["domain"]))
+    except (KeyError, TypeError, ToonkitError, ValueError) as error:
+        raise refuse("path", "must hold colors and a domain", f"{path} ({error})") from error
+
+
+def _as_json(color_map: ColorMap) -> dict[str, object]:
+    return {
+        "format": "toonkit color map",
+        "version": FORMAT_VERSION,
+        "encoding": "sRGB, 0 to 1",
+        "domain": list(color_map.domain),
+        "colors": color_map.colors.tolist(),
+    }

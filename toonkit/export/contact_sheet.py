@@ -1,0 +1,190 @@
+"""contact_sheet: one picture that shows an analysis at a glance: input, normals, and relit pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from toonkit._validation import FloatArray, as_light, refuse
+from toonkit.analysis import ToonAnalysis
+from toonkit.model.color_map import ColorMap
+from toonkit.model.light import light_angles, light_direction
+from toonkit.model.normals import encode_normal_map
+from toonkit.relighting import relight
+
+STANDARD_LIGHTS: tuple[tuple[float, float], ...] = (
+    (135, 40),
+    (45, 40),
+    (180, 15),
+    (0, 15),
+    (270, 25),
+    (0, 90),
+)
+"""Azimuth and elevation, in degrees, of the lights shown by default: upper left to below, then frontal."""
+
+_TILE = 264  # pixels, as all below
+_PADDING = 14
+_GAP = 18
+_MARGIN = 28
+_CAPTION = 34
+_BALL_RADIUS = 21
+_CORNER = 10
+_CHECK = 11
+_FINER = 4  # supersampling of balls and rounded corners
+_COLUMNS = 4
+
+_SHEET = (232, 230, 225)
+_CARD = (252, 252, 250)
+_CHECKED = (244, 243, 240)
+_BORDER = (208, 205, 198)
+_INK = (58, 56, 52)
+_FAINT_INK = (128, 124, 116)
+
+
+@dataclass(frozen=True, eq=False)
+class _Tile:
+    """A picture (RGBA), its caption in two weights, and the light to show beside it."""
+
+    picture: Image.Image
+    title: str
+    detail: str
+    light: FloatArray | None
+
+
+def contact_sheet(
+    analysis: ToonAnalysis, lights: Sequence[ArrayLike] | None = None, *, keep_detail: bool = True
+) -> NDArray[np.uint8]:
+    """
+    Lay out the input, its normal map and relit pictures on one sheet.
+
+    Parameters
+    ----------
+    analysis : ToonAnalysis
+        Any method's result.
+    lights : sequence of array_like, shape (3,), optional
+        Lights to relight with; `STANDARD_LIGHTS` by default.
+    keep_detail : bool, optional
+        As in `relight`.
+
+    Returns
+    -------
+    ndarray, shape (H, W, 3)
+        uint8 sRGB. Each relit picture carries a ball painted with the color map under its light.
+
+    Raises
+    ------
+    ToonkitError
+        If there is no light, or one is zero, not finite or from behind.
+    """
+    directions = [light_direction(*angles) for angles in STANDARD_LIGHTS] if lights is None else list(lights)
+    if not directions:
+        raise refuse("lights", "must hold at least one light", "none")
+    checked = [as_light("lights", light) for light in directions]
+    tiles = [_input_tile(analysis), _normal_tile(analysis)]
+    for light in checked:
+        relit = relight(analysis, light, keep_detail=keep_detail)
+        tiles.append(_Tile(_cropped(analysis, relit.to_rgba()), "relit", _angles(light), light))
+    return _sheet(tiles, analysis.color_map)
+
+
+def _input_tile(analysis: ToonAnalysis) -> _Tile:
+    picture = _cropped(analysis, analysis.image.to_rgba())
+    return _Tile(picture, "input", _angles(analysis.light), np.asarray(analysis.light))
+
+
+def _normal_tile(analysis: ToonAnalysis) -> _Tile:
+    # Fringe pixels have no normal: the map ends where the mask does.
+    alpha = np.where(analysis.image.mask, analysis.image.alpha, 0.0)
+    colors = encode_normal_map(analysis.normals).astype(np.uint8)
+    rgba = np.concatenate([colors, np.round(alpha[..., None] * 255).astype(np.uint8)], axis=-1)
+    return _Tile(_cropped(analysis, rgba), "normals", f"method {analysis.method}", None)
+
+
+def _angles(light: FloatArray) -> str:
+    azimuth, elevation = light_angles(light)
+    if round(elevation) == 90:
+        return "from the front"
+    return f"azimuth {round(azimuth) % 360}°, elevation {round(elevation)}°"
+
+
+def _cropped(analysis: ToonAnalysis, rgba: NDArray[np.uint8]) -> Image.Image:
+    """Cut a picture down to the object's bounding box and fit it into a tile."""
+    rows, columns = np.nonzero(analysis.image.alpha > 0)
+    box = rgba[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]
+    room = _TILE - 2 * _PADDING
+    scale = room / max(box.shape[:2])
+    size = (max(1, round(box.shape[1] * scale)), max(1, round(box.shape[0] * scale)))
+    return Image.fromarray(np.ascontiguousarray(box)).resize(size, Image.Resampling.LANCZOS)
+
+
+def _sheet(tiles: list[_Tile], color_map: ColorMap) -> NDArray[np.uint8]:
+    columns = min(_COLUMNS, len(tiles))
+    rows = -(-len(tiles) // columns)
+    width = 2 * _MARGIN + columns * _TILE + (columns - 1) * _GAP
+    height = 2 * _MARGIN - _GAP + rows * (_TILE + _CAPTION + _GAP) - _CAPTION // 4  # captions end above that
+    sheet = Image.new("RGB", (width, height), _SHEET)
+    card, outline = _card(), _rounded(outline=True)
+    for index, tile in enumerate(tiles):
+        row, column = divmod(index, columns)
+        left, top = _MARGIN + column * (_TILE + _GAP), _MARGIN + row * (_TILE + _CAPTION + _GAP)
+        sheet.paste(card, (left, top), _rounded(outline=False))
+        x, y = left + (_TILE - tile.picture.width) // 2, top + (_TILE - tile.picture.height) // 2
+        sheet.paste(tile.picture, (x, y), tile.picture)
+        if tile.light is not None:
+            ball = _light_ball(tile.light, color_map)
+            sheet.paste(ball, (left + _TILE - ball.width - 6, top + 6), ball)
+        sheet.paste(_BORDER, (left, top, left + _TILE, top + _TILE), outline)
+        _caption(sheet, tile, left, top + _TILE + 7)
+    return np.asarray(sheet).copy()
+
+
+def _caption(sheet: Image.Image, tile: _Tile, left: int, top: int) -> None:
+    draw = ImageDraw.Draw(sheet)
+    strong, small = ImageFont.load_default(size=15), ImageFont.load_default(size=13)
+    draw.text((left + 3, top), tile.title, fill=_INK, font=strong)
+    across = draw.textlength(tile.detail, font=small)
+    draw.text((left + _TILE - 3 - across, top + 1), tile.detail, fill=_FAINT_INK, font=small)
+
+
+def _card() -> Image.Image:
+    """Draw the checkered ground that says: transparent."""
+    row, column = np.indices((_TILE, _TILE)) // _CHECK
+    dark = (row + column) % 2 == 1
+    return Image.fromarray(np.where(dark[..., None], _CHECKED, _CARD).astype(np.uint8))
+
+
+def _rounded(*, outline: bool) -> Image.Image:
+    """Draw the coverage of a card with rounded corners, or of its border."""
+    side = _TILE * _FINER
+    fine = Image.new("L", (side, side), 0)
+    box, radius = (0, 0, side - 1, side - 1), _CORNER * _FINER
+    draw = ImageDraw.Draw(fine)
+    if outline:
+        draw.rounded_rectangle(box, radius, outline=255, width=_FINER)
+    else:
+        draw.rounded_rectangle(box, radius, fill=255)
+    return fine.resize((_TILE, _TILE), Image.Resampling.BOX)
+
+
+def _light_ball(light: FloatArray, color_map: ColorMap) -> Image.Image:
+    """Draw a ball painted with the color map, and a dot where the light stands above it."""
+    side = (2 * _BALL_RADIUS + 8) * _FINER
+    center, radius = (side - 1) / 2, _BALL_RADIUS * _FINER
+    row, column = np.indices((side, side))
+    x, y = (column - center) / radius, (center - row) / radius  # row 0 is the top, y points up
+    squared = x**2 + y**2
+    z = np.sqrt(np.clip(1 - squared, 0, None))
+    painted = color_map(np.clip(x * light[0] + y * light[1] + z * light[2], -1, 1))
+    beyond = (np.sqrt(squared) - 1) * radius / _FINER  # pixels outside the ball
+    painted[np.abs(beyond) < 1.2] = np.array(_INK) / 255
+    painted[beyond >= 1.2] = np.array(_CARD) / 255  # a halo sets it off from the picture below
+    rgba = np.concatenate([painted, (beyond < 3.2)[..., None]], axis=-1)
+    fine = Image.fromarray(np.round(rgba * 255).astype(np.uint8))
+    draw = ImageDraw.Draw(fine)
+    spot = (center + light[0] * radius, center - light[1] * radius)
+    draw.circle(spot, 3.6 * _FINER, fill=(255, 214, 64, 255), outline=(*_INK, 255), width=_FINER)
+    return fine.resize((side // _FINER, side // _FINER), Image.Resampling.BOX)

@@ -1,0 +1,53 @@
+"""Pictures as PNG or WebP files, alpha kept."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from toonkit._validation import refuse
+from toonkit.export.atomic import PathLike, atomic_write, suffix_of
+from toonkit.model.image import ToonImage
+
+_WEBP_LONGEST_SIDE = 16383
+
+
+def write_picture(picture: ToonImage | NDArray[np.uint8], path: PathLike) -> None:
+    """
+    Write a picture without loss.
+
+    Parameters
+    ----------
+    picture : ToonImage or ndarray, shape (H, W, 3) or (H, W, 4)
+        The picture; an array is uint8 sRGB, with straight alpha if it has four channels.
+    path : path
+        Ends in .png or .webp. An older file is replaced once the new one is complete.
+
+    Raises
+    ------
+    ToonkitError
+        If the suffix is another, the array is not a uint8 picture, or the file cannot be written.
+    """
+    suffix = suffix_of(path, (".png", ".webp"))
+    pixels = picture.to_rgba() if isinstance(picture, ToonImage) else np.asarray(picture)
+    if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[-1] not in (3, 4):
+        shown = f"shape {pixels.shape}, dtype {pixels.dtype}"
+        raise refuse("picture", "must be a ToonImage or a uint8 array of shape (H, W, 3 or 4)", shown)
+    if suffix == ".webp" and max(pixels.shape) > _WEBP_LONGEST_SIDE:
+        raise refuse("path", f"must end in .png for sides over {_WEBP_LONGEST_SIDE} pixels", f"{path}")
+    with atomic_write(path) as file:
+        file.write(encode_picture(pixels, suffix))
+
+
+def encode_picture(pixels: NDArray[np.uint8], suffix: str) -> bytes:
+    """Return the bytes of a lossless .png or .webp file; both keep the colors under transparent pixels."""
+    encoded = io.BytesIO()
+    image = Image.fromarray(np.ascontiguousarray(pixels))
+    if suffix == ".webp":
+        image.save(encoded, "WEBP", lossless=True, exact=True, quality=75)
+    else:
+        image.save(encoded, "PNG")
+    return encoded.getvalue()

@@ -1,0 +1,79 @@
+"""report.json: what was done to a picture, by which versions, and how it went."""
+
+from __future__ import annotations
+
+import json
+import platform
+from typing import Any
+
+import numpy as np
+
+from toonkit.analysis import ToonAnalysis
+from toonkit.export.atomic import PathLike, atomic_write, suffix_of
+from toonkit.model.light import light_angles
+
+
+def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
+    """
+    Describe an analysis in values that JSON can hold.
+
+    Parameters
+    ----------
+    analysis : ToonAnalysis
+        Any method's result.
+
+    Returns
+    -------
+    dict
+        "versions", "method", "light" (unit vector, degrees), "picture" (pixels), "color_map" and "solver"
+        (iterations, energies, why it stopped).
+    """
+    import toonkit  # noqa: PLC0415  # at call time, because the package's own __init__ stands above this module
+
+    azimuth, elevation = light_angles(analysis.light)
+    height, width = analysis.image.shape
+    return {
+        "versions": {
+            "toonkit": toonkit.__version__,
+            "python": platform.python_version(),
+            "numpy": np.__version__,
+        },
+        "method": analysis.method,
+        "light": {
+            "vector": np.asarray(analysis.light).tolist(),
+            "azimuth_degrees": azimuth,
+            "elevation_degrees": elevation,
+        },
+        "picture": {"width": width, "height": height, "mask_pixels": int(analysis.image.mask.sum())},
+        "color_map": {
+            "samples": len(analysis.color_map.colors),
+            "domain": list(analysis.color_map.domain),
+        },
+        "solver": {
+            "iterations": int(analysis.report.iterations),
+            "converged": bool(analysis.report.converged),
+            "reason": analysis.report.reason,
+            "energies": [float(energy) for energy in analysis.report.energies],
+        },
+    }
+
+
+def write_report(report: dict[str, Any], path: PathLike) -> None:
+    """
+    Write a report as JSON.
+
+    Parameters
+    ----------
+    report : dict
+        Of `analysis_report`, with whatever the caller adds.
+    path : path
+        Ends in .json.
+
+    Raises
+    ------
+    ToonkitError
+        If the suffix is another or the file cannot be written.
+    """
+    suffix_of(path, (".json",))
+    with atomic_write(path) as file:
+        file.write(json.dumps(report, indent=2).encode() + b"\n")

@@ -1,0 +1,139 @@
+"""From normals to a height, and from a height to a mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import label
+
+from toonkit._validation import BoolArray, FloatArray, same_shape
+from toonkit.model.image import ToonImage
+from toonkit.model.normals import NormalField
+from toonkit.numerics.masked_grid import DOWN, LEFT, OUTSIDE, RIGHT, UP, MaskedGrid
+from toonkit.numerics.membrane import Membrane, solve_membrane
+
+if TYPE_CHECKING:
+    import trimesh
+
+STEEPEST = 0.05
+"""Least nz of a slope: at the silhouette the true height drops without bound, a picture's does not."""
+
+BREAK_ANGLE = 50.0
+"""Degrees between neighboring normals at which a link is half as stiff: beyond it, the two lie on different parts."""
+
+TIE = 1e-9
+"""Stiffness that ties every pixel to height 0, so that each component has one solution; far too weak to bend it."""
+
+
+@dataclass(frozen=True, eq=False)
+class HeightField:
+    """
+    Height of the visible surface toward the viewer.
+
+    Attributes
+    ----------
+    height : ndarray, shape (H, W)
+        In pixels, NaN outside the mask; each component's lowest point is at 0.
+    mask : ndarray, shape (H, W)
+        True on the object.
+    """
+
+    height: FloatArray
+    mask: BoolArray
+
+
+def height_map(normals: NormalField) -> HeightField:
+    """
+    Integrate normals to a height.
+
+    Parameters
+    ----------
+    normals : NormalField
+        Unit normals.
+
+    Returns
+    -------
+    HeightField
+        Height in pixels.
+
+    Notes
+    -----
+    Weighted least squares of the height differences between neighbors against the slopes -nx / nz and -ny / nz at their
+    common side. A link counts less where its slopes are steep and known badly (weight nz²), and where the normals at its two
+    ends turn against each other: there one part of the drawing ends in front of another, and the height may jump.
+    """
+    grid = MaskedGrid(normals.mask)
+    vectors = normals.vectors[grid.mask]
+    forward = np.maximum(vectors[:, 2], STEEPEST)
+    slopes = -vectors[:, :2] / forward[:, None]
+    links = np.zeros((grid.size, 4))
+    flow = np.zeros((grid.size, 4))
+    half = np.cos(np.deg2rad(BREAK_ANGLE))
+    for direction, axis, sign in ((RIGHT, 0, 1.0), (UP, 1, 1.0), (LEFT, 0, -1.0), (DOWN, 1, -1.0)):
+        there = grid.neighbors[:, direction]
+        here = np.flatnonzero(there != OUTSIDE)
+        other = there[here]
+        facing = np.minimum(forward[here], forward[other]) ** 2
+        agreement = np.sum(vectors[here] * vectors[other], axis=1)
+        links[here, direction] = facing / (1.0 + ((1.0 - agreement) / (1.0 - half)) ** 2)
+        flow[here, direction] = sign * (slopes[here, axis] + slopes[other, axis]) / 2
+    membrane = Membrane(grid, links, np.full(grid.size, TIE))
+    right_side = -np.sum(links * flow, axis=1, keepdims=True)
+    height, _ = solve_membrane(membrane, right_side, tolerance=1e-6)
+    return HeightField(grid.scatter(_from_zero(grid, height[:, 0])), normals.mask)
+
+
+def height_mesh(field: HeightField, *, color: ToonImage | None = None) -> trimesh.Trimesh:
+    """
+    Make a triangle mesh of a height field: two triangles for each 2 x 2 block of object pixels.
+
+    Parameters
+    ----------
+    field : HeightField
+        The height.
+    color : ToonImage, optional
+        Picture over the same pixels, for vertex colors.
+
+    Returns
+    -------
+    trimesh.Trimesh
+        Vertices in pixels, x right, y up, z toward the viewer; one per object pixel, in row-major order.
+
+    Raises
+    ------
+    ToonkitError
+        If the picture has another size.
+    """
+    import trimesh  # noqa: PLC0415 - takes seconds to import, and only meshes need it
+
+    grid = MaskedGrid(field.mask)
+    height = field.mask.shape[0]
+    vertices = np.column_stack([grid.columns, height - 1 - grid.rows, field.height[grid.mask]]).astype(
+        np.float64
+    )
+    vertex_colors = None
+    if color is not None:
+        same_shape("color", color.shape, field.mask.shape, "the height field")
+        vertex_colors = color.to_rgba()[grid.mask]
+    return trimesh.Trimesh(vertices, _faces(grid), vertex_colors=vertex_colors, process=False)
+
+
+def _faces(grid: MaskedGrid) -> NDArray[np.intp]:
+    right, down = grid.neighbors[:, RIGHT], grid.neighbors[:, DOWN]
+    across = np.where(right != OUTSIDE, grid.neighbors[right, DOWN], OUTSIDE)
+    here = np.flatnonzero((right != OUTSIDE) & (down != OUTSIDE) & (across != OUTSIDE))
+    a, b, c, d = here, down[here], across[here], right[here]
+    # Counter-clockwise seen from +z, so that faces look at the viewer.
+    return np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])]).astype(np.intp)
+
+
+def _from_zero(grid: MaskedGrid, height: FloatArray) -> FloatArray:
+    """Shift every component so that its lowest point is at 0."""
+    labels = label(grid.mask)[0][grid.mask] - 1
+    lowest = np.full(labels.max() + 1, np.inf)
+    np.minimum.at(lowest, labels, height)
+    above: FloatArray = height - lowest[labels]
+    return above

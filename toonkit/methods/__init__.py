@@ -1,0 +1,81 @@
+"""Whole estimators: one call signature, one registry."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from numpy.typing import ArrayLike
+
+from toonkit._validation import refuse
+from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.light_fit import estimate_light
+from toonkit.methods.lambert import lambert
+from toonkit.methods.lumo import lumo
+from toonkit.methods.steps import StepProgress
+from toonkit.methods.todo import todo
+from toonkit.methods.toonkit import toonkit
+from toonkit.model.image import ToonImage
+
+
+class Method(Protocol):
+    """An estimator: a picture and its light to an analysis."""
+
+    def __call__(
+        self, image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = None
+    ) -> ToonAnalysis:
+        """Analyze `image` lit from `light`, telling `progress` the step and the fraction done."""
+        ...
+
+
+METHODS: dict[str, Method] = {"toonkit": toonkit, "todo": todo, "lumo": lumo, "lambert": lambert}
+"""Name -> estimator. Adding one is `METHODS["name"] = function`."""
+
+
+def analyze(
+    image: ToonImage,
+    light: ArrayLike | None = None,
+    *,
+    method: str = "toonkit",
+    progress: StepProgress | None = None,
+) -> ToonAnalysis:
+    """
+    Take a cartoon-shaded picture apart into normals and a color map.
+
+    Parameters
+    ----------
+    image : ToonImage
+        The picture.
+    light : array_like, shape (3,), optional
+        Direction from the surface to the light that the artist had in mind; estimated if not given.
+    method : str, optional
+        Name of an estimator in `METHODS`.
+    progress : callable, optional
+        Called with the name of the running step and the fraction of the whole done, 0 to 1. What it raises cancels.
+
+    Returns
+    -------
+    ToonAnalysis
+        Normals, color map, light and how the refinement went.
+
+    Raises
+    ------
+    ToonkitError
+        If the method is unknown, the image is not a `ToonImage`, or the light is refused.
+
+    Examples
+    --------
+    >>> import toonkit
+    >>> y, x = np.mgrid[:64, :64] - 32.0
+    >>> mask = x**2 + y**2 < 900
+    >>> color = np.where((x - y)[..., None] > 0, [0.9, 0.8, 0.6], [0.4, 0.2, 0.5])
+    >>> analysis = toonkit.analyze(toonkit.ToonImage(color, mask), toonkit.light_direction(45, 40))
+    >>> analysis.color_map([-0.5, 0.9]).round(2).tolist()
+    [[0.4, 0.2, 0.5], [0.9, 0.8, 0.6]]
+    """
+    if method not in METHODS:
+        raise refuse("method", f"must be one of {', '.join(METHODS)}", repr(method))
+    if not isinstance(image, ToonImage):
+        raise refuse("image", "must be a ToonImage (see toonkit.load_image)", type(image).__name__)
+    if light is None:
+        light = estimate_light(image).light
+    return METHODS[method](image, light, progress=progress)

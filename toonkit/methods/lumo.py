@@ -1,0 +1,44 @@
+"""Baseline: the inflated normals as they are (Lumo, Sections 3.1 and 4.2)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.refinement import Refinement
+from toonkit.methods.steps import StepProgress, first_steps
+from toonkit.model.image import ToonImage
+from toonkit.numerics.report import SolverReport
+
+
+def lumo(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = None) -> ToonAnalysis:
+    """
+    Analyze a picture with the inflated normals alone; the color map is estimated on them.
+
+    Parameters
+    ----------
+    image : ToonImage
+        The picture.
+    light : array_like, shape (3,)
+        Direction from the surface to the light.
+    progress : callable, optional
+        Called with (step, fraction done).
+
+    Returns
+    -------
+    ToonAnalysis
+        Its normals are the initial normals.
+
+    Raises
+    ------
+    ToonkitError
+        If the light is refused.
+
+    References
+    ----------
+    S. F. Johnston, "Lumo: illumination for cel animation", NPAR 2002, doi:10.1145/508530.508538
+    """
+    steps = first_steps(image, light, progress)
+    report = SolverReport(0, np.zeros(0), "inflation needs no refinement", converged=True)
+    return steps.finished("lumo", Refinement(steps.initial_normals, report))

@@ -1,0 +1,82 @@
+"""What all methods share: the first two steps, and the last, in the paper's order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from toonkit._validation import FloatArray, as_light
+from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.color_map_fit import fit_color_map
+from toonkit.estimation.inflation import inflate
+from toonkit.estimation.refinement import Refinement
+from toonkit.model.image import ToonImage
+from toonkit.model.normals import NormalField
+from toonkit.model.shading import illumination
+
+StepProgress = Callable[[str, float], None]
+"""Called with the name of the running step and the fraction of the whole done, 0 to 1; what it raises cancels."""
+
+INFLATED, FITTED = 0.2, 0.3
+"""Fractions of the whole done after the first two steps, for the progress bar."""
+
+
+@dataclass(frozen=True, eq=False)
+class FirstSteps:
+    """
+    Sections 3.1 and 3.2 carried out, whatever follows.
+
+    Attributes
+    ----------
+    image : ToonImage
+        The picture.
+    light : ndarray, shape (3,)
+        Unit vector from the surface to the light.
+    initial_normals : NormalField
+        N0.
+    progress : callable or None
+        Called as work goes on.
+    """
+
+    image: ToonImage
+    light: FloatArray
+    initial_normals: NormalField
+    progress: StepProgress | None
+
+    @property
+    def initial_illumination(self) -> FloatArray:
+        """I0 = L · N0, shape (H, W)."""
+        return illumination(self.initial_normals, self.light)
+
+    def refining(self, fraction: float) -> None:
+        """Report how far the refinement is, 0 to 1."""
+        if self.progress is not None:
+            self.progress("refining the normals", FITTED + (1 - FITTED) * fraction)
+
+    def finished(self, method: str, refinement: Refinement) -> ToonAnalysis:
+        """Re-estimate the color map on the refined normals (every method does) and hand everything over."""
+        color_map = fit_color_map(self.image, illumination(refinement.normals, self.light))
+        if self.progress is not None:
+            self.progress("done", 1.0)
+        return ToonAnalysis(
+            image=self.image,
+            method=method,
+            light=self.light,
+            normals=refinement.normals,
+            initial_normals=self.initial_normals,
+            color_map=color_map,
+            report=refinement.report,
+        )
+
+
+def first_steps(image: ToonImage, light: ArrayLike, progress: StepProgress | None) -> FirstSteps:
+    """Inflate the silhouette (Section 3.1) for a picture and its light."""
+    direction = as_light("light", light)
+    if progress is not None:
+        progress("inflating the silhouette", 0.0)
+    normals = inflate(image.mask, alpha=image.alpha)
+    if progress is not None:
+        progress("fitting the color map", INFLATED)
+    return FirstSteps(image, direction, normals, progress)

@@ -1,0 +1,54 @@
+"""The paper, step by step (Sections 3.1 to 3.3), kept faithful for ever."""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.color_map_fit import fit_color_map, illumination_interval
+from toonkit.estimation.refinement import refine_as_printed
+from toonkit.methods.steps import StepProgress, first_steps
+from toonkit.model.image import ToonImage
+
+RHO, LAMBDA = 20.0, 30.0
+"""The paper's weights of Eq. 5, per pixel."""
+
+
+def todo(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = None) -> ToonAnalysis:
+    """
+    Analyze a picture by the method of Todo and Yamaguchi.
+
+    Parameters
+    ----------
+    image : ToonImage
+        The picture.
+    light : array_like, shape (3,)
+        Direction from the surface to the light.
+    progress : callable, optional
+        Called with (step, fraction done).
+
+    Returns
+    -------
+    ToonAnalysis
+        Normals that minimize Eq. 5 from N0; the color map is estimated on them.
+
+    Raises
+    ------
+    ToonkitError
+        If the light is refused.
+
+    References
+    ----------
+    H. Todo, Y. Yamaguchi, "Reflectance and Shape Estimation for Cartoon Shaded Objects", Pacific Graphics 2017.
+    """
+    steps = first_steps(image, light, progress)
+    color_map = fit_color_map(image, steps.initial_illumination)
+    refinement = refine_as_printed(
+        steps.initial_normals,
+        steps.light,
+        illumination_interval(image, color_map),
+        rho=RHO,
+        smoothness=LAMBDA,
+        progress=steps.refining,
+    )
+    return steps.finished("todo", refinement)

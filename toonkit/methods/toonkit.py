@@ -1,0 +1,51 @@
+"""Our method, the default: the paper's steps with a smooth change of the normals and an integrable result."""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.color_map_fit import fit_color_map, illumination_interval
+from toonkit.estimation.refinement import refine
+from toonkit.methods.steps import StepProgress, first_steps
+from toonkit.model.image import ToonImage
+
+
+def toonkit(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = None) -> ToonAnalysis:
+    """
+    Analyze a picture: inflate, fit the color map, refine the change of the normals coarse to fine.
+
+    Parameters
+    ----------
+    image : ToonImage
+        The picture.
+    light : array_like, shape (3,)
+        Direction from the surface to the light.
+    progress : callable, optional
+        Called with (step, fraction done).
+
+    Returns
+    -------
+    ToonAnalysis
+        Refined normals and the color map estimated on them.
+
+    Raises
+    ------
+    ToonkitError
+        If the light is refused.
+
+    Notes
+    -----
+    Where the paper smooths the normals (Eq. 5), which pulls a round shape flat, this smooths their change from N0, and adds
+    the integrability that normals of a surface have; see `toonkit.estimation.energy.ChangeEnergy`.
+    """
+    steps = first_steps(image, light, progress)
+    color_map = fit_color_map(image, steps.initial_illumination)
+    refinement = refine(
+        steps.initial_normals,
+        steps.light,
+        illumination_interval(image, color_map),
+        alpha=image.alpha,
+        progress=steps.refining,
+    )
+    return steps.finished("toonkit", refinement)

@@ -1,0 +1,191 @@
+"""How far an estimate is from the truth: always over the mask, so that padding a picture changes nothing (Section 4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from skimage.color import deltaE_ciede2000, rgb2lab
+
+from toonkit._validation import BoolArray, FloatArray, as_array, refuse, same_shape
+from toonkit.model.image import ToonImage
+from toonkit.model.normals import NormalField
+from toonkit.numerics.masked_grid import MaskedGrid
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorSummary:
+    """
+    A per-pixel error and its summary over the mask.
+
+    Attributes
+    ----------
+    map : ndarray, shape (H, W)
+        Error per pixel, NaN outside the mask.
+    mean, median, percentile_95 : float
+        Over the mask.
+    mean_without_rim : float
+        Over the mask without the one-pixel rim, where a pixel is half background; NaN if nothing else is left.
+    """
+
+    map: FloatArray
+    mean: float
+    median: float
+    percentile_95: float
+    mean_without_rim: float
+
+
+def angular_error(normals: NormalField, reference: NormalField) -> ErrorSummary:
+    """
+    Angle between two normal fields.
+
+    Parameters
+    ----------
+    normals, reference : NormalField
+        Fields over the same mask.
+
+    Returns
+    -------
+    ErrorSummary
+        Degrees.
+
+    Raises
+    ------
+    ToonkitError
+        If the masks differ.
+    """
+    _same_mask(normals.mask, reference.mask)
+    a, b = normals.vectors, reference.vectors
+    # arctan2 of both products: exact near 0, where arccos is not.
+    angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), np.sum(a * b, axis=-1))
+    return _summary(np.rad2deg(angle), reference.mask)
+
+
+def illumination_error(illumination: FloatArray, reference: FloatArray, mask: BoolArray) -> ErrorSummary:
+    """
+    Absolute difference of two illuminations.
+
+    Parameters
+    ----------
+    illumination, reference : ndarray, shape (H, W)
+        L · N in [-1, 1] on the mask.
+    mask : ndarray, shape (H, W)
+        True on the object.
+
+    Returns
+    -------
+    ErrorSummary
+        In units of illumination, 0 to 2.
+
+    Raises
+    ------
+    ToonkitError
+        If shapes differ or a value on the mask is NaN.
+    """
+    ours, theirs = (as_array("illumination", value, (None, None)) for value in (illumination, reference))
+    same_shape("illumination", ours.shape, mask.shape, "the mask")
+    same_shape("reference", theirs.shape, mask.shape, "the mask")
+    difference = np.where(mask, np.abs(ours - theirs), np.nan)
+    if np.isnan(difference[mask]).any():
+        raise refuse("illumination", "must be known on the object", "NaN")
+    return _summary(difference, mask)
+
+
+def color_rmse(image: ToonImage, reference: ToonImage) -> float:
+    """
+    Root mean square difference of two pictures, over the mask and the three channels.
+
+    Parameters
+    ----------
+    image, reference : ToonImage
+        Pictures over the same mask.
+
+    Returns
+    -------
+    float
+        In sRGB, 0 to 1.
+
+    Raises
+    ------
+    ToonkitError
+        If the masks differ.
+    """
+    _same_mask(image.mask, reference.mask)
+    difference = image.color[image.mask] - reference.color[image.mask]
+    return float(np.sqrt(np.mean(difference**2)))
+
+
+def color_difference(image: ToonImage, reference: ToonImage) -> ErrorSummary:
+    """
+    Difference of two pictures as seen: CIEDE2000.
+
+    Parameters
+    ----------
+    image, reference : ToonImage
+        Pictures over the same mask.
+
+    Returns
+    -------
+    ErrorSummary
+        In units of just noticeable differences (about 1), D65.
+
+    Raises
+    ------
+    ToonkitError
+        If the masks differ.
+    """
+    _same_mask(image.mask, reference.mask)
+    mask = image.mask
+    ours, theirs = (rgb2lab(picture.color[mask][None])[0] for picture in (image, reference))
+    difference = np.full(mask.shape, np.nan)
+    difference[mask] = deltaE_ciede2000(ours, theirs)
+    return _summary(difference, mask)
+
+
+def relight_response(
+    before: ToonImage, after: ToonImage, true_before: ToonImage, true_after: ToonImage
+) -> float:
+    """
+    How much a picture changes under a new light, against how much the truth changes.
+
+    Parameters
+    ----------
+    before, after : ToonImage
+        Our picture under the original and the new light.
+    true_before, true_after : ToonImage
+        The true ones.
+
+    Returns
+    -------
+    float
+        Ratio of root mean square changes: 1 is right, 0 a picture that ignores the light (the paper's "dynamic
+        illumination change", Section 4.3). NaN if the truth does not change.
+
+    Raises
+    ------
+    ToonkitError
+        If the masks differ.
+    """
+    _same_mask(before.mask, true_before.mask)
+    truth = color_rmse(true_after, true_before)
+    return color_rmse(after, before) / truth if truth > 0 else float("nan")
+
+
+def _same_mask(mask: BoolArray, reference: BoolArray) -> None:
+    same_shape("reference", reference.shape, mask.shape, "the estimate")
+    if (mask != reference).any():
+        raise refuse(
+            "reference", "must cover the same mask", f"{int((mask != reference).sum())} pixels that differ"
+        )
+
+
+def _summary(error: FloatArray, mask: BoolArray) -> ErrorSummary:
+    inside = error[mask]
+    core = inside[~MaskedGrid(mask).rim]
+    return ErrorSummary(
+        map=error,
+        mean=float(inside.mean()),
+        median=float(np.median(inside)),
+        percentile_95=float(np.percentile(inside, 95)),
+        mean_without_rim=float(core.mean()) if core.size else float("nan"),
+    )

@@ -1,0 +1,1 @@
+"""How a cartoon picture is formed: c = M(L · N). Knows no estimation."""

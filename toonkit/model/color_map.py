@@ -1,0 +1,172 @@
+"""ColorMap: the nonlinear reflectance M of c = M(L · N), and its inverse, an interval of illumination."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from toonkit._validation import FloatArray, as_array, refuse
+from toonkit.model.luminance import tone
+
+MONOTONE_TOLERANCE = 0.05
+"""How far, in tone, a painted ramp may dip below an earlier sample: hue shifts and 8-bit colors wobble."""
+
+HALF_STEP = 0.5 / 255
+"""Half a step of an 8-bit picture: colors closer than this were painted alike."""
+
+
+@dataclass(frozen=True, eq=False)
+class IlluminationInterval:
+    """
+    Range of illumination that a painted color allows: I in [lower, upper] of Eq. 4.
+
+    Attributes
+    ----------
+    lower, upper : ndarray, shape (...)
+        Illumination in [-1, 1], lower <= upper; NaN where the color was NaN.
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class ColorMap:
+    """
+    A color map M: illumination -> painted color.
+
+    Parameters
+    ----------
+    colors : array_like, shape (K, 3)
+        sRGB in [0, 1] at K >= 1 illuminations evenly spaced over the domain, dark to bright.
+    domain : (float, float), optional
+        Illumination of the first and last sample, -1 <= lo < hi <= 1.
+
+    Raises
+    ------
+    ToonkitError
+        If colors leave [0, 1], the ramp is not dark to bright, or the domain is not inside [-1, 1].
+
+    Notes
+    -----
+    Between samples M is linear, outside its domain it is constant. Its inverse is an interval because a
+    band of one color covers a range of illumination (Section 3.3, Eq. 4).
+
+    Examples
+    --------
+    >>> two_tone = ColorMap([[0.2, 0.1, 0.3], [0.2, 0.1, 0.3], [0.9, 0.8, 0.6], [0.9, 0.8, 0.6]])
+    >>> two_tone(0.9).tolist()
+    [0.9, 0.8, 0.6]
+    """
+
+    colors: FloatArray
+    domain: tuple[float, float] = (-1.0, 1.0)
+
+    def __post_init__(self) -> None:
+        colors = as_array("colors", self.colors, (None, 3))
+        if len(colors) == 0:
+            raise refuse("colors", "must hold at least one color", "none")
+        if not np.isfinite(colors).all() or colors.min() < -1e-9 or colors.max() > 1 + 1e-9:
+            raise refuse("colors", "must be sRGB in [0, 1]", f"{np.min(colors):.4g} to {np.max(colors):.4g}")
+        ends = as_array("domain", self.domain, (2,))
+        if not (np.isfinite(ends).all() and -1 <= ends[0] < ends[1] <= 1):
+            raise refuse("domain", "must be (lo, hi) with -1 <= lo < hi <= 1", tuple(ends.tolist()))
+        colors = np.clip(colors, 0.0, 1.0)
+        tones = tone(colors)
+        dip = float((np.maximum.accumulate(tones) - tones).max())
+        if dip > MONOTONE_TOLERANCE:
+            raise refuse(
+                "colors",
+                "must go from dark to bright in luminance",
+                f"a ramp that falls by {dip:.3f} in tone",
+            )
+        object.__setattr__(self, "colors", colors)
+        object.__setattr__(self, "domain", (float(ends[0]), float(ends[1])))
+
+    @cached_property
+    def illumination(self) -> FloatArray:
+        """Illumination of each sample, shape (K,); a single sample stands at the middle of its domain."""
+        lo, hi = self.domain
+        return np.array([(lo + hi) / 2]) if len(self.colors) == 1 else np.linspace(lo, hi, len(self.colors))
+
+    def __call__(self, illumination: ArrayLike) -> FloatArray:
+        """
+        Colors at the given illumination (any shape (...)): sRGB, shape (..., 3); NaN stays NaN.
+
+        Values outside the domain take the color at its nearer end.
+        """
+        value = np.asarray(illumination, dtype=np.float64)
+        lo, hi = self.domain
+        count = len(self.colors)
+        if count == 1:
+            return np.where(np.isnan(value)[..., None], np.nan, self.colors[0])
+        position = (np.clip(value, lo, hi) - lo) * ((count - 1) / (hi - lo))
+        known = np.nan_to_num(position)
+        start = np.minimum(known.astype(np.intp), count - 2)
+        weight = (position - start)[..., None]
+        color: FloatArray = (1 - weight) * self.colors[start] + weight * self.colors[start + 1]
+        return color
+
+    def invert(self, color: ArrayLike, *, tolerance: float = HALF_STEP) -> IlluminationInterval:
+        """
+        Range of illumination that each color allows (the inverse of M, Eq. 4).
+
+        Parameters
+        ----------
+        color : array_like, shape (..., 3)
+            sRGB in [0, 1]; NaN gives NaN.
+        tolerance : float, optional
+            How far apart, in tone (0..1), two colors may be and still count as the same.
+
+        Returns
+        -------
+        IlluminationInterval
+            Bounds of shape (...). The darkest color reaches down to -1, the brightest up to +1.
+
+        Raises
+        ------
+        ToonkitError
+            If the tolerance is negative.
+        """
+        if not tolerance >= 0:
+            raise refuse("tolerance", "must be a number >= 0", tolerance)
+        tones = tone(np.asarray(color, dtype=np.float64))
+        highest_so_far, lowest_to_come = self._tone_envelopes
+        where = self.illumination
+        darkest, brightest = tones - tolerance, tones + tolerance
+        lower = _crossing(darkest, highest_so_far, where, side="left")
+        upper = _crossing(brightest, lowest_to_come, where, side="right")
+        lower = np.where(darkest <= highest_so_far[0], -1.0, lower)
+        upper = np.where(brightest >= lowest_to_come[-1], 1.0, upper)
+        unknown = np.isnan(tones)
+        return IlluminationInterval(np.where(unknown, np.nan, lower), np.where(unknown, np.nan, upper))
+
+    @cached_property
+    def _tone_envelopes(self) -> tuple[FloatArray, FloatArray]:
+        """Two nondecreasing envelopes of the tones: the highest so far, and the lowest still to come.
+
+        They are equal for a monotone ramp. Where a ramp dips, a color's interval runs from the first
+        illumination that is as bright to the last one that is as dark.
+        """
+        tones = tone(self.colors)
+        return np.maximum.accumulate(tones), np.minimum.accumulate(tones[::-1])[::-1]
+
+    def resampled(self, count: int) -> ColorMap:
+        """Return the same map with `count` >= 2 evenly spaced samples over the same domain."""
+        if count < 2:
+            raise refuse("count", "must be at least 2", count)
+        return ColorMap(self(np.linspace(*self.domain, count)), self.domain)
+
+
+def _crossing(level: FloatArray, tones: FloatArray, where: FloatArray, *, side: str) -> FloatArray:
+    """Illumination at which nondecreasing samples reach (left) or leave (right) a level, linear in between."""
+    count = len(tones)
+    index = np.searchsorted(tones, level, side="left" if side == "left" else "right")
+    after = np.clip(index, 0, count - 1)
+    before = np.clip(index - 1, 0, count - 1)
+    rise = tones[after] - tones[before]
+    share = np.divide(level - tones[before], rise, out=np.zeros_like(level), where=rise > 0)
+    return where[before] + np.clip(share, 0.0, 1.0) * (where[after] - where[before])

@@ -1,0 +1,108 @@
+"""ToonImage: one painted object, its colors and its mask."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+
+from toonkit._validation import BoolArray, FloatArray, as_array, as_mask, refuse, same_shape
+
+
+@dataclass(frozen=True, eq=False)
+class ToonImage:
+    """
+    A cartoon-shaded picture of one object.
+
+    Parameters
+    ----------
+    color : array_like, shape (H, W, 3)
+        sRGB in [0, 1], as painted. Values outside the mask are ignored.
+    mask : array_like, shape (H, W)
+        True on the object. It may have several components and holes.
+    alpha : array_like, shape (H, W), optional
+        Coverage of each pixel by the object, 0 to 1; 1 on the mask and 0 elsewhere if not given. The outline is
+        where it crosses one half. It is carried through to every picture made from this one.
+    fringe : array_like, shape (H, W, 3), optional
+        sRGB of the pixels that the object touches (alpha > 0) without filling them (outside the mask): kept for
+        the output, never analyzed. By default they take the color of the nearest object pixel.
+
+    Attributes
+    ----------
+    color : ndarray, shape (H, W, 3)
+        float64, NaN outside the mask.
+    mask : ndarray, shape (H, W)
+        bool.
+    alpha : ndarray, shape (H, W)
+        float64 in [0, 1].
+    fringe : ndarray, shape (H, W, 3)
+        float64, NaN except where alpha > 0 outside the mask.
+
+    Raises
+    ------
+    ToonkitError
+        If shapes differ, the mask is empty or too small, or a color on the object is NaN or outside [0, 1].
+    """
+
+    color: FloatArray
+    mask: BoolArray
+    alpha: FloatArray = field(kw_only=True, default=None)  # type: ignore[arg-type]  # None until __post_init__
+    fringe: FloatArray = field(kw_only=True, default=None)  # type: ignore[arg-type]  # None until __post_init__
+
+    def __post_init__(self) -> None:
+        color = as_array("color", self.color, (None, None, 3))
+        mask = as_mask("mask", self.mask)
+        same_shape("mask", mask.shape, color.shape[:2], "color")
+        inside = _check_colors("color", color[mask])
+        alpha = mask.astype(np.float64) if self.alpha is None else as_array("alpha", self.alpha, (None, None))
+        same_shape("alpha", alpha.shape, mask.shape, "color")
+        if not (np.isfinite(alpha).all() and alpha.min() >= 0 and alpha.max() <= 1):
+            raise refuse("alpha", "must lie in [0, 1]", "values outside it or NaN")
+        touched = (alpha > 0) & ~mask
+        fringe = np.full_like(color, np.nan)
+        if touched.any():
+            if self.fringe is None:
+                rows, columns = nearest_object_pixel(mask)
+                fringe[touched] = color[rows[touched], columns[touched]]
+            else:
+                given = as_array("fringe", self.fringe, (None, None, 3))
+                same_shape("fringe", given.shape, color.shape, "color")
+                fringe[touched] = _check_colors("fringe", given[touched])
+        color = np.full_like(color, np.nan)
+        color[mask] = inside
+        for name, value in (("color", color), ("mask", mask), ("alpha", alpha), ("fringe", fringe)):
+            object.__setattr__(self, name, value)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width in pixels."""
+        height, width = self.mask.shape
+        return height, width
+
+    def to_rgba(self) -> NDArray[np.uint8]:
+        """Return the picture as 8-bit straight-alpha RGBA, shape (H, W, 4); transparent black where alpha is 0."""
+        painted = np.where(self.mask[..., None], self.color, self.fringe)
+        rgba = np.concatenate([np.nan_to_num(painted), self.alpha[..., None]], axis=-1)
+        return np.round(rgba * 255).astype(np.uint8)
+
+
+def nearest_object_pixel(mask: BoolArray) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Row and column of the object pixel nearest to each pixel, both of shape (H, W)."""
+    rows, columns = distance_transform_edt(~mask, return_distances=False, return_indices=True)
+    return rows, columns
+
+
+def _check_colors(argument: str, colors: FloatArray) -> FloatArray:
+    if np.isnan(colors).any():
+        raise refuse(
+            argument,
+            "must be painted on every object pixel",
+            f"{int(np.isnan(colors).any(1).sum())} NaN pixels",
+        )
+    if colors.min() < -1e-9 or colors.max() > 1 + 1e-9:
+        raise refuse(
+            argument, "must be sRGB in [0, 1]", f"values from {colors.min():.4g} to {colors.max():.4g}"
+        )
+    return np.clip(colors, 0.0, 1.0)

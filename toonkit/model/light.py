@@ -1,0 +1,69 @@
+"""Light directions. Degrees exist only here, at the border; inside, a light is a unit vector."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from toonkit._validation import FloatArray, as_light, is_number, refuse
+
+
+def light_direction(azimuth: float, elevation: float) -> FloatArray:
+    """
+    Return the unit vector from the surface to a light given in degrees.
+
+    Parameters
+    ----------
+    azimuth : float
+        Degrees, counter-clockwise from +x (the picture's right). 90 is above, 180 left.
+    elevation : float
+        Degrees from the image plane toward the viewer, 0 to 90. 90 is a light at the viewer's eye.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        Unit vector, x right, y up, z toward the viewer.
+
+    Raises
+    ------
+    ToonkitError
+        If an angle is not a finite number or the elevation lies outside 0 to 90 degrees.
+
+    Examples
+    --------
+    >>> light_direction(90, 0).round(6).tolist()
+    [0.0, 1.0, 0.0]
+    """
+    if not is_number(azimuth):
+        raise refuse("azimuth", "must be a finite number of degrees", azimuth)
+    if not is_number(elevation):
+        raise refuse("elevation", "must be a finite number of degrees", elevation)
+    if not 0.0 <= elevation <= 90.0:
+        raise refuse("elevation", "must lie in 0 to 90 degrees (a light from behind cannot shade)", elevation)
+    turn, rise = np.deg2rad(azimuth), np.deg2rad(elevation)
+    # cos(90 degrees) is 6e-17 in floating point: rounding it away keeps z >= 0 and 0 exactly 0.
+    vector = np.array([np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)]).round(15)
+    return as_light("light", vector)
+
+
+def light_angles(light: ArrayLike) -> tuple[float, float]:
+    """
+    Azimuth and elevation, in degrees, of a light direction: the inverse of `light_direction`.
+
+    Parameters
+    ----------
+    light : array_like, shape (3,)
+        Direction from the surface to the light; any length but zero, z >= 0.
+
+    Returns
+    -------
+    azimuth, elevation : float
+        Degrees; azimuth in (-180, 180], elevation in [0, 90].
+
+    Raises
+    ------
+    ToonkitError
+        If the light is zero, not finite or from behind.
+    """
+    x, y, z = as_light("light", light)
+    return float(np.rad2deg(np.arctan2(y, x))), float(np.rad2deg(np.arctan2(z, np.hypot(x, y))))

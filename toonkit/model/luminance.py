@@ -1,0 +1,61 @@
+"""Luminance: the one order in which painted colors go from dark to bright."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from toonkit._validation import FloatArray
+
+REC709 = np.array([0.2126, 0.7152, 0.0722])
+
+
+def srgb_to_linear(color: ArrayLike) -> FloatArray:
+    """Decode sRGB values in [0, 1] to linear light (IEC 61966-2-1)."""
+    value = np.asarray(color, dtype=np.float64)
+    return np.where(value <= 0.04045, value / 12.92, ((np.maximum(value, 0.04045) + 0.055) / 1.055) ** 2.4)
+
+
+def linear_to_srgb(light: ArrayLike) -> FloatArray:
+    """Encode linear light in [0, 1] as sRGB (IEC 61966-2-1)."""
+    value = np.asarray(light, dtype=np.float64)
+    return np.where(
+        value <= 0.0031308, value * 12.92, 1.055 * np.maximum(value, 0.0031308) ** (1 / 2.4) - 0.055
+    )
+
+
+def luminance(color: ArrayLike) -> FloatArray:
+    """
+    Relative luminance of painted colors.
+
+    Parameters
+    ----------
+    color : array_like, shape (..., 3)
+        sRGB in [0, 1].
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Luminance Y in [0, 1], linear in light (Rec. 709 primaries).
+    """
+    weighted: FloatArray = srgb_to_linear(color) @ REC709
+    return weighted
+
+
+def tone(color: ArrayLike) -> FloatArray:
+    """
+    Luminance encoded with the sRGB curve: the same order as `luminance`, in even steps for the eye.
+
+    Tolerances between painted colors are stated in it, because a painter's steps are.
+
+    Parameters
+    ----------
+    color : array_like, shape (..., 3)
+        sRGB in [0, 1].
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Tone in [0, 1].
+    """
+    return linear_to_srgb(luminance(color))

@@ -1,0 +1,160 @@
+"""NormalField: unit normals per pixel, and their encoding as the colors of a normal map."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from toonkit._validation import BoolArray, FloatArray, as_array, as_mask, refuse, same_shape
+
+UNIT_TOLERANCE = 1e-3
+"""A vector this close to unit length is a rounded unit vector and is renormalized; others are refused."""
+
+GreenAxis = Literal["opengl", "directx"]
+"""Which way green points in a normal map: up (OpenGL, Unity, Blender) or down (DirectX, Unreal)."""
+
+
+@dataclass(frozen=True, eq=False)
+class NormalField:
+    """
+    Unit normals of the visible surface.
+
+    Parameters
+    ----------
+    vectors : array_like, shape (H, W, 3)
+        Unit vectors, x right, y up, z >= 0 toward the viewer. Values outside the mask are ignored.
+    mask : array_like, shape (H, W)
+        True on the object.
+
+    Attributes
+    ----------
+    vectors : ndarray, shape (H, W, 3)
+        float64, unit length, NaN outside the mask.
+    mask : ndarray, shape (H, W)
+        bool.
+
+    Raises
+    ------
+    ToonkitError
+        If the shapes differ, or a vector on the object is not finite, not of unit length or faces away.
+    """
+
+    vectors: FloatArray
+    mask: BoolArray
+
+    def __post_init__(self) -> None:
+        vectors = as_array("vectors", self.vectors, (None, None, 3))
+        mask = as_mask("mask", self.mask)
+        same_shape("mask", mask.shape, vectors.shape[:2], "vectors")
+        inside = vectors[mask]
+        if not np.isfinite(inside).all():
+            raise refuse("vectors", "must be finite on the object", "NaN or infinite components")
+        length = np.linalg.norm(inside, axis=1)
+        worst = float(length[np.argmax(np.abs(length - 1))])
+        if abs(worst - 1) > UNIT_TOLERANCE:
+            raise refuse("vectors", "must have unit length on the object", f"a vector of length {worst:.6g}")
+        lowest = float(inside[:, 2].min())
+        if lowest < -UNIT_TOLERANCE:
+            raise refuse("vectors", "must face the viewer (z >= 0) on the object", f"z = {lowest:.6g}")
+        inside[:, 2] = np.maximum(inside[:, 2], 0.0)
+        vectors = np.full_like(vectors, np.nan)
+        length = np.linalg.norm(inside, axis=1, keepdims=True)
+        # Unit vectors up to rounding stay as they are, so that a field made of a field's vectors is equal to it.
+        rounded = np.abs(length - 1) <= 4 * np.finfo(np.float64).eps
+        vectors[mask] = inside / np.where(rounded, 1.0, length)
+        object.__setattr__(self, "vectors", vectors)
+        object.__setattr__(self, "mask", mask)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width in pixels."""
+        height, width = self.mask.shape
+        return height, width
+
+
+def encode_normal_map(
+    normals: NormalField, *, bits: Literal[8, 16] = 8, green: GreenAxis = "opengl"
+) -> NDArray[np.unsignedinteger]:
+    """
+    Encode normals as normal-map colors.
+
+    Each component -1..1 goes to 0..2^bits - 1, z included (so a visible surface has blue >= one half).
+    Outside the mask the map holds the flat normal (0, 0, 1), which is what engines expect of padding.
+
+    Parameters
+    ----------
+    normals : NormalField
+        The normals.
+    bits : {8, 16}, optional
+        Bits a channel.
+    green : {"opengl", "directx"}, optional
+        Green up (OpenGL) or down (DirectX).
+
+    Returns
+    -------
+    ndarray, shape (H, W, 3)
+        uint8 or uint16.
+
+    Raises
+    ------
+    ToonkitError
+        If `bits` or `green` is none of the above.
+    """
+    _check_encoding(bits, green)
+    vectors = np.where(normals.mask[..., None], normals.vectors, np.array([0.0, 0.0, 1.0]))
+    if green == "directx":
+        vectors = vectors * np.array([1.0, -1.0, 1.0])
+    top = 2**bits - 1
+    encoded: NDArray[np.unsignedinteger] = np.round((vectors + 1) * (top / 2)).astype(f"uint{bits}")
+    return encoded
+
+
+def decode_normal_map(colors: ArrayLike, mask: ArrayLike, *, green: GreenAxis = "opengl") -> NormalField:
+    """
+    Decode normal-map colors: the inverse of `encode_normal_map` up to rounding.
+
+    Parameters
+    ----------
+    colors : array_like, shape (H, W, 3)
+        uint8 or uint16, z from -1..1 in blue.
+    mask : array_like, shape (H, W)
+        True on the object.
+    green : {"opengl", "directx"}, optional
+        Green up (OpenGL) or down (DirectX).
+
+    Returns
+    -------
+    NormalField
+        Renormalized normals.
+
+    Raises
+    ------
+    ToonkitError
+        If the colors are not 8 or 16 bit integers or a decoded vector is far from unit length.
+    """
+    array = np.asarray(colors)
+    if array.dtype not in (np.uint8, np.uint16):
+        raise refuse("colors", "must be uint8 or uint16", f"dtype {array.dtype}")
+    bits = 8 if array.dtype == np.uint8 else 16
+    _check_encoding(bits, green)
+    vectors = as_array("colors", array, (None, None, 3)) * (2 / (2**bits - 1)) - 1
+    if green == "directx":
+        vectors[..., 1] *= -1
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    on_object = np.asarray(mask, dtype=np.bool_)
+    if on_object.shape == length.shape[:2] and (np.abs(length[on_object] - 1) > 0.1).any():
+        raise refuse(
+            "colors", "must encode unit vectors with z from -1..1", "vectors more than 10 % off unit length"
+        )
+    vectors[..., 2] = np.maximum(vectors[..., 2], 0.0)
+    return NormalField(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True), on_object)
+
+
+def _check_encoding(bits: int, green: str) -> None:
+    if bits not in (8, 16):
+        raise refuse("bits", "must be 8 or 16", bits)
+    if green not in ("opengl", "directx"):
+        raise refuse("green", 'must be "opengl" (up) or "directx" (down)', repr(green))

@@ -1,0 +1,1 @@
+"""Pixels and vectors: the masked grid, its difference operators, and the solvers. Knows no cartoons."""

@@ -1,0 +1,45 @@
+"""The sample drawings that ship with toonkit: made by `python -m toonkit.study.sample_drawings` from our own shapes."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from toonkit._validation import refuse
+
+FOLDER = Path(__file__).parent
+
+
+def sample_names() -> tuple[str, ...]:
+    """Return the names of the sample drawings, the best one to start with first."""
+    return tuple(_records())
+
+
+def sample_path(name: str) -> Path:
+    """Return the path of a sample's PNG; raises `ToonkitError` for a name that is none."""
+    return FOLDER / f"{_record(name)['name']}.png"
+
+
+def sample_title(name: str) -> str:
+    """Return a sample's title, a few words; raises `ToonkitError` for a name that is none."""
+    return str(_record(name)["title"])
+
+
+def sample_light(name: str) -> tuple[float, float]:
+    """Return the azimuth and elevation, in degrees, of a sample's light; raises `ToonkitError` for a name that is none."""
+    azimuth, elevation = _record(name)["light"]
+    return float(azimuth), float(elevation)
+
+
+def _record(name: str) -> dict[str, Any]:
+    if name not in _records():
+        raise refuse("sample", f"must be one of {', '.join(_records())}", repr(name))
+    return _records()[name]
+
+
+@cache
+def _records() -> dict[str, dict[str, Any]]:
+    records = json.loads((FOLDER / "samples.json").read_text(encoding="utf-8"))
+    return {record["name"]: record for record in records}

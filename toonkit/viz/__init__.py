@@ -1,0 +1,1 @@
+"""Arrays to pictures: HoloViews elements, PyVista scenes, and the relight view. Estimates nothing."""

@@ -1,0 +1,59 @@
+// A list of cards to choose one from: a picture, a title, a line of text, or any of them.
+
+const STYLE = `
+.cards { --ink: var(--panel-on-surface-color, #1c1c1e); --accent: var(--panel-primary-color, #d9772b);
+  display: grid; gap: 8px; width: 100%; color: var(--ink); font-size: 13px; line-height: 1.3; }
+.cards button { font: inherit; color: inherit; text-align: left; display: flex; flex-direction: column; gap: 1px;
+  padding: 8px 12px; border-radius: 8px; border: 1px solid color-mix(in srgb, var(--ink) 16%, transparent);
+  background: transparent; cursor: pointer; min-width: 0; transition: border-color .12s, background .12s; }
+.cards button:hover { background: color-mix(in srgb, var(--ink) 6%, transparent); }
+.cards button:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }
+.cards button[aria-checked=true] { border-color: var(--accent); box-shadow: inset 0 0 0 1px var(--accent);
+  background: color-mix(in srgb, var(--accent) 10%, transparent); }
+.cards b { font-weight: 600; }
+.cards small { font-size: 12px; color: color-mix(in srgb, var(--ink) 65%, transparent); }
+.cards.pictures button { padding: 4px; aspect-ratio: 1; }
+.cards img { width: 100%; height: 100%; min-height: 0; object-fit: contain; border-radius: 5px; display: block; }
+`
+
+function render({model}) {
+  const root = document.createElement("div")
+  root.innerHTML = `<style>${STYLE}</style><div class="cards" role="radiogroup"></div>`
+  const list = root.querySelector(".cards")
+  list.setAttribute("aria-label", model.label)
+
+  function fill() {
+    list.style.gridTemplateColumns = `repeat(${model.columns}, minmax(0, 1fr))`
+    list.classList.toggle("pictures", model.choices.some((choice) => choice.picture))
+    list.replaceChildren(...model.choices.map((choice) => {
+      const card = document.createElement("button")
+      card.type = "button"
+      card.setAttribute("role", "radio")
+      card.dataset.value = choice.value
+      if (choice.picture) {
+        const image = document.createElement("img")
+        ;[image.src, image.alt, image.draggable] = [choice.picture, choice.title, false]
+        card.title = choice.title
+        card.append(image)
+      } else {
+        for (const [tag, text] of [["b", choice.title], ["small", choice.text]]) {
+          const line = document.createElement(tag)
+          line.textContent = text
+          card.append(line)
+        }
+      }
+      card.addEventListener("click", () => { model.value = choice.value })
+      return card
+    }))
+    mark()
+  }
+  function mark() {
+    for (const card of list.children) { card.setAttribute("aria-checked", card.dataset.value === model.value) }
+  }
+  model.on("change:value", mark)
+  model.on(["change:choices", "change:columns"], fill)
+  fill()
+  return root
+}
+
+export default {render}

@@ -1,0 +1,237 @@
+"""Arrays to HoloViews elements: pictures, normal maps, the fit of the color map, errors. Estimates nothing."""
+
+from __future__ import annotations
+
+import holoviews as hv
+import holoviews.plotting.bokeh
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from toonkit._validation import FloatArray, as_array, refuse
+from toonkit.analysis import ToonAnalysis
+from toonkit.model.color_map import ColorMap
+from toonkit.model.image import ToonImage
+from toonkit.model.luminance import tone
+from toonkit.model.normals import NormalField, encode_normal_map
+from toonkit.model.shading import illumination
+
+BACKEND = "bokeh"  # the import of its module above registers it, without a notebook's hv.extension
+
+SCATTER_PIXELS = 2500
+"""Points in the scatter of a fit: enough to show its shape, few enough to send in a moment."""
+
+INTERVAL_BARS = 28
+"""Colors whose interval of illumination is drawn."""
+
+NEUTRAL = "#7b7c81"
+"""Background on which both the darkest and the brightest paint can be seen, whatever the page's theme."""
+
+FRAME = (-1.03, -0.15, 1.03, 1.03)
+"""Illumination and tone at the lower left and the upper right of a fit's plot."""
+
+STRIP = (-0.13, -0.03)
+"""Tones between which the color-map strip lies: below the plot's content."""
+
+
+def picture(image: ToonImage) -> hv.RGB:
+    """
+    Return a cartoon picture, transparent outside the object.
+
+    Parameters
+    ----------
+    image : ToonImage
+        The picture, (H, W).
+
+    Returns
+    -------
+    holoviews.RGB
+        Square pixels, no axes; coordinates are columns from the left and rows from the bottom.
+    """
+    return _rgb(image.to_rgba())
+
+
+def normal_map(normals: NormalField) -> hv.RGB:
+    """
+    Return the OpenGL normal map (red right, green up, blue toward the viewer), transparent outside the object.
+
+    Parameters
+    ----------
+    normals : NormalField
+        The normals, (H, W).
+
+    Returns
+    -------
+    holoviews.RGB
+        Square pixels, no axes.
+    """
+    coverage = np.where(normals.mask, 255, 0).astype(np.uint8)
+    return _rgb(np.dstack([encode_normal_map(normals), coverage]))
+
+
+def color_map_fit(analysis: ToonAnalysis, *, seed: int = 0) -> hv.Overlay:
+    """
+    Show how painted tones became a color map.
+
+    Each point is a pixel in its own color, at the illumination of the *initial* normals. The curve is the
+    fitted map M; a bar spans the illumination that M allows one painted color; the strip below is M itself.
+
+    Parameters
+    ----------
+    analysis : ToonAnalysis
+        Any method's result.
+    seed : int, optional
+        Which pixels are shown of a picture that has more than `SCATTER_PIXELS`.
+
+    Returns
+    -------
+    holoviews.Overlay
+        Tone (0 to 1) over illumination (-1 to 1).
+    """
+    mask = analysis.image.mask
+    color = analysis.image.color[mask]
+    chosen = _sample(len(color), SCATTER_PIXELS, seed)
+    points = hv.Points(
+        (
+            illumination(analysis.initial_normals, analysis.light)[mask][chosen],
+            tone(color[chosen]),
+            _hex(color[chosen]),
+        ),
+        kdims=["illumination", "tone"],
+        vdims=["color"],
+    ).opts(color="color", size=4, alpha=0.75, line_color=None, backend=BACKEND)
+    overlay = _backdrop() * _strip(analysis.color_map) * points * _bars(analysis) * _curve(analysis.color_map)
+    return overlay.opts(
+        xlabel="illumination  L · N",
+        ylabel="tone  (black 0, white 1)",
+        xlim=FRAME[::2],
+        ylim=FRAME[1::2],
+        show_legend=False,
+        responsive=True,
+        toolbar=None,
+        default_tools=[],
+        backend=BACKEND,
+    )
+
+
+def color_ramp(color_map: ColorMap) -> hv.RGB:
+    """
+    Return a color map as a horizontal strip over illumination -1 to 1.
+
+    Parameters
+    ----------
+    color_map : ColorMap
+        The map M.
+
+    Returns
+    -------
+    holoviews.RGB
+        A strip without a vertical axis.
+    """
+    strip = _strip(color_map, bounds=(-1.0, 0.0, 1.0, 1.0))
+    return strip.opts(yaxis=None, xlabel="illumination  L · N", height=90, responsive=True, backend=BACKEND)
+
+
+def error_map(error: ArrayLike, *, label: str, unit: str, limit: float | None = None) -> hv.Image:
+    """
+    Return a map of per-pixel errors with a color bar.
+
+    Parameters
+    ----------
+    error : array_like, shape (H, W)
+        Errors >= 0; NaN outside the object.
+    label : str
+        What the error is of, for instance "normals".
+    unit : str
+        Its unit, for instance "degrees".
+    limit : float, optional
+        Error at the end of the color bar; the largest one if not given.
+
+    Returns
+    -------
+    holoviews.Image
+        Square pixels, no axes.
+
+    Raises
+    ------
+    ToonkitError
+        If the error is not a (H, W) array with at least one number, or the limit is not positive.
+    """
+    values = as_array("error", error, (None, None))
+    if not np.isfinite(values).any():
+        raise refuse("error", "must hold at least one number", "NaN only")
+    if limit is not None and not limit > 0:
+        raise refuse("limit", "must be positive", limit)
+    height, width = values.shape
+    top = limit if limit is not None else max(float(np.nanmax(values)), np.finfo(float).tiny)
+    dimension = hv.Dimension("error", label=f"{label} error", unit=unit)
+    element = hv.Image(values, bounds=(0, 0, width, height), vdims=[dimension])
+    return element.opts(
+        **_PICTURE, cmap="inferno", clim=(0.0, top), colorbar=True, tools=["hover"], backend=BACKEND
+    )
+
+
+_PICTURE = {
+    "xaxis": None,
+    "yaxis": None,
+    "data_aspect": 1,
+    "responsive": True,
+    "toolbar": None,
+    "default_tools": [],
+    "show_frame": False,
+}
+"""How a picture looks: square pixels and nothing around it. (`data_aspect`: `aspect="equal"` stretches.)"""
+
+
+def _rgb(pixels: NDArray[np.uint8]) -> hv.RGB:
+    height, width = pixels.shape[:2]
+    element = hv.RGB(pixels, bounds=(0, 0, width, height), vdims=["R", "G", "B", "A"])
+    return element.opts(**_PICTURE, backend=BACKEND)
+
+
+def _backdrop() -> hv.Rectangles:
+    """Neutral ground as an element: a page's theme repaints a plot's own background."""
+    ground = hv.Rectangles([FRAME], kdims=["illumination", "tone", "illumination_end", "tone_end"])
+    return ground.opts(color=NEUTRAL, line_color=None, backend=BACKEND)
+
+
+def _strip(color_map: ColorMap, bounds: tuple[float, float, float, float] | None = None) -> hv.RGB:
+    samples = color_map(np.linspace(-1.0, 1.0, 512))[None]
+    left, bottom, right, top = bounds or (-1.0, STRIP[0], 1.0, STRIP[1])
+    return hv.RGB(samples, bounds=(left, bottom, right, top), kdims=["illumination", "tone"])
+
+
+def _curve(color_map: ColorMap) -> hv.Overlay:
+    """Return the ramp as a line, lighter around than inside, to be seen on any color."""
+    where = np.linspace(-1.0, 1.0, 513)
+    curve = hv.Curve((where, tone(color_map(where))), "illumination", "tone")
+    halo = curve.opts(color="white", line_width=5, alpha=0.9, backend=BACKEND)
+    return halo * curve.clone().opts(color="#1d1d1f", line_width=2.2, backend=BACKEND)
+
+
+def _bars(analysis: ToonAnalysis) -> hv.Segments:
+    """Return intervals of illumination of some painted colors, evenly spread over the tones."""
+    mask = analysis.image.mask
+    color = analysis.image.color[mask]
+    tones = tone(color)
+    order = np.argsort(tones, kind="stable")
+    chosen = order[np.linspace(0, len(order) - 1, INTERVAL_BARS).astype(np.intp)]
+    _, first = np.unique(np.round(tones[chosen], 2), return_index=True)
+    chosen = chosen[first]
+    allowed = analysis.intervals()
+    lower, upper = allowed.lower[mask][chosen], allowed.upper[mask][chosen]
+    bars = hv.Segments(
+        (lower, tones[chosen], upper, tones[chosen], _hex(color[chosen])),
+        kdims=["illumination", "tone", "illumination_end", "tone_end"],
+        vdims=["color"],
+    )
+    return bars.opts(color="color", line_width=7, alpha=0.55, backend=BACKEND)
+
+
+def _sample(count: int, wanted: int, seed: int) -> NDArray[np.intp]:
+    if count <= wanted:
+        return np.arange(count)
+    return np.sort(np.random.default_rng(seed).choice(count, wanted, replace=False))
+
+
+def _hex(color: FloatArray) -> list[str]:
+    return [f"#{r:02x}{g:02x}{b:02x}" for r, g, b in np.round(color * 255).astype(int)]

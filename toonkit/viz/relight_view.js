@@ -1,0 +1,491 @@
+// The relight view: a drawing beside its relit picture, each with a light that is set by dragging.
+//
+// c' = M(L'·N) + w (c - M(L·N)),  w = exp(-((L'·N - L·N) / range)²)   (toonkit/relighting.py; w = 0 without detail)
+//
+// x points right, y up, z toward the viewer; row 0 of every array is the top. Import-free, so that the
+// same module serves Panel and a notebook without a network.
+
+const VERTEX = `#version 300 es
+void main() {  // one triangle that covers the canvas: no buffers
+  gl_Position = vec4(vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2.0 - 1.0, 0.0, 1.0);
+}`
+
+const FRAGMENT = `#version 300 es
+precision highp float;
+precision highp sampler2D;
+uniform sampler2D u_color, u_normals, u_map;
+uniform vec3 u_original, u_light;
+uniform vec2 u_domain;
+uniform float u_detail, u_range;
+out vec4 painted;
+
+vec3 M(float illumination) {
+  int last = textureSize(u_map, 0).x - 1;
+  float t = clamp((illumination - u_domain.x) / (u_domain.y - u_domain.x), 0.0, 1.0) * float(last);
+  int start = max(min(int(t), last - 1), 0);
+  // Mixed here, not by the sampler, whose weights have 8 bits on many cards.
+  return mix(texelFetch(u_map, ivec2(start, 0), 0).rgb, texelFetch(u_map, ivec2(min(start + 1, last), 0), 0).rgb,
+             t - float(start));
+}
+
+void main() {
+  ivec2 pixel = ivec2(int(gl_FragCoord.x), textureSize(u_color, 0).y - 1 - int(gl_FragCoord.y));
+  vec4 color = texelFetch(u_color, pixel, 0);
+  if (color.a == 0.0) { painted = vec4(0.0); return; }
+  vec4 own = color;
+  vec2 p = texelFetch(u_normals, pixel, 0).rg;  // equal-area projection: as exact at the rim as in the middle
+  float q = dot(p, p);
+  bool fringe = q > 0.75;  // longer than any projection: the way, in pixels, to the nearest object pixel
+  if (fringe) {
+    pixel += ivec2(p);
+    color = texelFetch(u_color, pixel, 0);
+    p = texelFetch(u_normals, pixel, 0).rg;
+    q = dot(p, p);
+  }
+  vec3 N = vec3(2.0 * sqrt(1.0 - q) * p, 1.0 - 2.0 * q);
+  float after = dot(u_light, N);
+  vec3 relit = M(after);
+  if (u_detail > 0.0) {
+    float before = dot(u_original, N);
+    float change = (after - before) / u_range;
+    relit += exp(-change * change) * (color.rgb - M(before));
+  }
+  relit = clamp(relit, 0.0, 1.0);
+  if (fringe && u_detail > 0.0) { relit = clamp(own.rgb + relit - color.rgb, 0.0, 1.0); }
+  painted = vec4(relit, own.a);
+}`
+
+const BALL_PIXELS = 224
+const SEND_EVERY_MS = 100
+const ORBIT_DEGREES_PER_SECOND = 50
+const ORBIT_HIGHEST = 65  // degrees: a light straight ahead would circle without anything moving
+
+const SUN = `<svg viewBox="0 0 24 24"><circle cx="12" cy="12" r="4.5"/><path d="M12 1.5v3M12 19.5v3M1.5 12h3M19.5 12h3
+M4.6 4.6l2.1 2.1M17.3 17.3l2.1 2.1M4.6 19.4l2.1-2.1M17.3 6.7l2.1-2.1"/></svg>`
+const PLAY = `<svg viewBox="0 0 24 24"><path d="M8 5.5v13l11-6.5z"/></svg>`
+const PAUSE = `<svg viewBox="0 0 24 24"><path d="M7 5h3.5v14H7zM13.5 5H17v14h-3.5z"/></svg>`
+
+const clamp = (value, low, high) => Math.min(Math.max(value, low), high)
+const radians = (degrees) => degrees * Math.PI / 180
+
+function direction([azimuth, elevation]) {
+  const [a, e] = [radians(azimuth), radians(elevation)]
+  return [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)]
+}
+
+// The light whose reflection direction on a sphere lies under (x, y) of the unit disc; outside it, at the rim.
+function anglesUnder(x, y, previousAzimuth) {
+  const radius = Math.hypot(x, y)
+  const azimuth = radius > 1e-3 ? Math.atan2(y, x) * 180 / Math.PI : previousAzimuth
+  return [azimuth, Math.acos(Math.min(radius, 1)) * 180 / Math.PI]
+}
+
+function bytes(value) {
+  if (!value) { return new Uint8Array(0) }
+  return value instanceof ArrayBuffer ? new Uint8Array(value) : new Uint8Array(value.buffer, value.byteOffset, value.byteLength)
+}
+
+// A shader that paints one picture on one canvas. Null where WebGL2 is missing.
+function painter(canvas) {
+  const gl = canvas.getContext("webgl2", {premultipliedAlpha: false, antialias: false, depth: false})
+  if (!gl) { return null }
+  let program, at, contents = null
+  const textures = ["u_color", "u_normals", "u_map"]
+
+  function prepare() {
+    program = gl.createProgram()
+    for (const [type, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+      const shader = gl.createShader(type)
+      gl.shaderSource(shader, source)
+      gl.compileShader(shader)
+      gl.attachShader(program, shader)
+    }
+    gl.linkProgram(program)
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) {
+      if (gl.isContextLost()) { return }
+      throw new Error(`toonkit: the relight shader does not link: ${gl.getProgramInfoLog(program)}`)
+    }
+    gl.useProgram(program)
+    at = (name) => gl.getUniformLocation(program, name)
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1)
+    textures.forEach((name, unit) => {
+      gl.activeTexture(gl.TEXTURE0 + unit)
+      gl.bindTexture(gl.TEXTURE_2D, gl.createTexture())
+      for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) {
+        gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST)
+      }
+      gl.uniform1i(at(name), unit)
+    })
+  }
+
+  function upload(unit, internal, width, height, format, type, data) {
+    gl.activeTexture(gl.TEXTURE0 + unit)
+    gl.texImage2D(gl.TEXTURE_2D, 0, internal, width, height, 0, format, type, data)
+  }
+
+  // contents: width, height, color (RGBA8), normals (two floats or half floats a pixel), map (RGBA float), domain
+  function load(next) {
+    contents = next
+    const {width, height, color, normals, map, domain} = contents
+    if (canvas.width !== width || canvas.height !== height) { [canvas.width, canvas.height] = [width, height] }
+    gl.viewport(0, 0, width, height)
+    upload(0, gl.RGBA8, width, height, gl.RGBA, gl.UNSIGNED_BYTE, color)
+    upload(1, gl.RG16F, width, height, gl.RG, normals instanceof Float32Array ? gl.FLOAT : gl.HALF_FLOAT, normals)
+    upload(2, gl.RGBA32F, map.length / 4, 1, gl.RGBA, gl.FLOAT, map)
+    gl.uniform2f(at("u_domain"), domain[0], domain[1])
+  }
+
+  function draw({original, light, detail, range}) {
+    if (!contents || gl.isContextLost()) { return }
+    gl.uniform3fv(at("u_original"), original)
+    gl.uniform3fv(at("u_light"), light)
+    gl.uniform1f(at("u_detail"), detail ? 1 : 0)
+    gl.uniform1f(at("u_range"), range)
+    gl.drawArrays(gl.TRIANGLES, 0, 3)
+  }
+
+  prepare()
+  return {
+    load, draw,
+    onRestored(redraw) {  // a graphics driver may take the context away, for instance after sleep
+      canvas.addEventListener("webglcontextlost", (event) => event.preventDefault())
+      canvas.addEventListener("webglcontextrestored", () => { prepare(); if (contents) { load(contents) } redraw() })
+    },
+    release() { gl.getExtension("WEBGL_lose_context")?.loseContext() },
+  }
+}
+
+// The light ball is a picture like any other: a hemisphere's normals, shaded by the same program.
+function ballContents(map, domain) {
+  const size = BALL_PIXELS
+  const color = new Uint8Array(size * size * 4)
+  const normals = new Float32Array(size * size * 2)
+  const radius = size / 2 - 1
+  for (let row = 0; row < size; row++) {
+    for (let column = 0; column < size; column++) {
+      const [x, y] = [(column + 0.5 - size / 2) / radius, (size / 2 - row - 0.5) / radius]
+      const [r, pixel] = [Math.hypot(x, y), row * size + column]
+      const nz = Math.sqrt(Math.max(0, 1 - r * r))
+      const scale = 1 / (Math.max(r, 1) * Math.sqrt(2 * (1 + nz)))
+      normals.set([x * scale, y * scale], 2 * pixel)
+      color[4 * pixel + 3] = 255 * clamp((1 - r) * radius + 0.5, 0, 1)
+    }
+  }
+  return {width: size, height: size, color, normals, map, domain}
+}
+
+function element(parent, tag, className, html = "") {
+  const node = document.createElement(tag)
+  node.className = className
+  node.innerHTML = html
+  parent.append(node)
+  return node
+}
+
+// One card: a picture, a ball, two sliders, all moving the same light.
+function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
+  const card = element(parent, "section", `card ${name}`)
+  element(card, "header", "", `<h2>${title}</h2><p>${hint}</p>`)
+  const stage = element(card, "div", "stage")
+  const picture = element(stage, "canvas", "picture")
+  const pictureImage = element(stage, "img", "picture stand-in")
+  const sun = element(stage, "div", "sun", SUN)
+  const controls = element(card, "div", "controls")
+  const ballBox = element(controls, "div", "ball-box")
+  const ball = element(ballBox, "canvas", "ball")
+  const ballImage = element(ballBox, "img", "ball stand-in")
+  const dot = element(ballBox, "div", "dot")
+  const right = element(controls, "div", "right")
+  const sliders = [["Azimuth", -180, 180], ["Elevation", 0, 90]].map(([label, min, max]) => {
+    const row = element(right, "label", "slider", `<span>${label}</span>
+      <input type="range" min="${min}" max="${max}" step="1" aria-label="${title}: ${label.toLowerCase()} in degrees"><output></output>`)
+    return {input: row.querySelector("input"), output: row.querySelector("output")}
+  })
+  const buttons = element(right, "div", "buttons")
+  for (const image of [pictureImage, ballImage]) { image.alt = ""; image.draggable = false }
+  ball.setAttribute("aria-label", `${title}: drag to move the light`)
+
+  function show(next) {
+    angles = next
+    const [x, y] = direction(angles)
+    const half = Math.min(stage.clientWidth, stage.clientHeight) / 2
+    sun.style.transform = `translate(${x * (half - 16)}px, ${-y * (half - 16)}px)`
+    dot.style.transform = `translate(${x * 46}%, ${-y * 46}%)`
+    sliders.forEach(({input, output}, index) => {
+      input.value = Math.round(angles[index])
+      output.textContent = `${Math.round(angles[index])}°`
+    })
+  }
+
+  function draggable(area, inset) {
+    const move = (event) => {
+      const box = area.getBoundingClientRect()
+      const radius = Math.min(box.width, box.height) / 2 - inset
+      const x = (event.clientX - box.left - box.width / 2) / radius
+      const y = (box.top + box.height / 2 - event.clientY) / radius
+      onMove(anglesUnder(x, y, angles[0]))
+    }
+    area.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0) { return }
+      event.preventDefault()
+      area.setPointerCapture(event.pointerId)
+      card.classList.add("dragging")
+      move(event)
+    })
+    area.addEventListener("pointermove", (event) => { if (area.hasPointerCapture(event.pointerId)) { move(event) } })
+    for (const end of ["pointerup", "pointercancel"]) {
+      area.addEventListener(end, (event) => {
+        if (!area.hasPointerCapture(event.pointerId)) { return }
+        area.releasePointerCapture(event.pointerId)
+        card.classList.remove("dragging")
+        onRelease()
+      })
+    }
+  }
+  draggable(stage, 16)
+  draggable(ballBox, 4)
+  sliders.forEach(({input}, index) => {
+    input.addEventListener("input", () => {
+      onMove(index === 0 ? [Number(input.value), angles[1]] : [angles[0], Number(input.value)])
+    })
+    input.addEventListener("change", onRelease)
+  })
+
+  function button(text, tip, onClick) {
+    const node = element(buttons, "button", "", text)
+    node.type = "button"
+    node.title = tip
+    node.addEventListener("click", onClick)
+    return node
+  }
+  return {card, stage, picture, pictureImage, ball, ballImage, show, button}
+}
+
+function showImage(image, data) {
+  if (image.src) { URL.revokeObjectURL(image.src) }
+  image.src = data.length ? URL.createObjectURL(new Blob([data], {type: "image/png"})) : ""
+}
+
+function render({model}) {
+  const root = document.createElement("div")
+  root.className = "relight"
+  const style = element(root, "style", "")
+  style.textContent = STYLE
+  let original = [...model.original_light], light = [...model.new_light]
+  let orbiting = false, scheduled = false, lastSent = 0, timer = null
+
+  // ---- light: drawn at once, told to Python at most ten times a second
+  function send() {
+    clearTimeout(timer)
+    timer = null
+    lastSent = performance.now()
+    model.new_light = [...light]
+  }
+  function move(next) {
+    light = next
+    schedule()
+    if (timer === null) { timer = setTimeout(send, Math.max(0, lastSent + SEND_EVERY_MS - performance.now())) }
+  }
+  function orbit(on) {
+    if (on === orbiting) { return }
+    orbiting = on
+    play.innerHTML = on ? `${PAUSE}Stop` : `${PLAY}Orbit`
+    if (!on) { send(); return }
+    let before = performance.now()
+    const turn = (now) => {
+      if (!orbiting || !root.isConnected) { orbiting = false; return }
+      const azimuth = light[0] + (now - before) / 1000 * ORBIT_DEGREES_PER_SECOND
+      before = now
+      move([azimuth > 180 ? azimuth - 360 : azimuth, Math.min(light[1], ORBIT_HIGHEST)])
+      requestAnimationFrame(turn)
+    }
+    requestAnimationFrame(turn)
+  }
+
+  const drawing = lightCard(root, {
+    name: "original", title: "Your drawing", hint: "Drag to show where the artist's light is", angles: original,
+    onMove: (next) => { original = next; schedule() },
+    // A new original light means a new analysis: only asked for when the hand lets go.
+    onRelease: () => { model.original_light = [...original] },
+  })
+  const relit = lightCard(root, {
+    name: "relit", title: "Relit", hint: "Drag the picture or the ball to move the light", angles: light,
+    onMove: (next) => { orbit(false); move(next) },
+    onRelease: send,
+  })
+  drawing.button("Estimate", "Estimate the light from the drawing", () => model.send_msg({action: "estimate"}))
+  const play = relit.button(`${PLAY}Orbit`, "Let the light circle", () => orbit(!orbiting))
+  relit.button("Reset to original", "Put the light back where the artist had it", () => {
+    orbit(false)
+    move([...original])
+    send()
+  })
+
+  // ---- progress
+  const busy = element(relit.stage, "div", "busy", `<div class="step"></div><div class="track"><div></div></div>`)
+  const cancel = element(busy, "button", "", "Cancel")
+  cancel.type = "button"
+  busy.addEventListener("pointerdown", (event) => event.stopPropagation())
+  cancel.addEventListener("click", () => model.send_msg({action: "cancel"}))
+  function showProgress() {
+    busy.classList.toggle("on", model.step !== "")
+    busy.querySelector(".step").textContent = model.step
+    busy.querySelector(".track div").style.width = `${100 * model.fraction}%`
+  }
+
+  // ---- pictures
+  const painters = [relit.picture, relit.ball, drawing.ball].map(painter)
+  const drawn = painters.every((one) => one !== null)
+  root.classList.toggle("no-webgl", !drawn)
+  if (model.webgl !== drawn) { model.webgl = drawn }
+
+  function draw() {
+    scheduled = false
+    drawing.show(original)
+    relit.show(light)
+    if (!drawn) { return }
+    const [from, to] = [direction(original), direction(light)]
+    // The picture's details belong to the light it was analyzed under, not to one being dragged or on its way.
+    painters[0].draw({original: direction(model.analyzed_light), light: to, detail: model.keep_detail, range: model.detail_range})
+    painters[1].draw({original: from, light: to, detail: false, range: 1})
+    painters[2].draw({original: from, light: from, detail: false, range: 1})
+  }
+  function schedule() {
+    if (!scheduled) { scheduled = true; requestAnimationFrame(draw) }
+  }
+
+  let reloading = false
+  function reload() {
+    reloading = false
+    const [[width, height], color] = [model.picture_size, bytes(model.color)]
+    const [normals, map] = [bytes(model.normals), bytes(model.color_map)]
+    const complete = width * height > 0 && color.length === 4 * width * height && normals.length === color.length
+    root.classList.toggle("empty", !complete)
+    if (!complete) { return }
+    const source = drawing.picture
+    ;[source.width, source.height] = [width, height]
+    source.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(color), width, height), 0, 0)
+    for (const card of [drawing, relit]) { card.picture.classList.toggle("pixels", Math.max(width, height) <= 160) }
+    if (drawn) {
+      const ramp = new Float32Array(map.slice().buffer)
+      painters[0].load({
+        width, height, color, normals: new Uint16Array(normals.slice().buffer), map: ramp, domain: model.domain,
+      })
+      const ball = ballContents(ramp, model.domain)
+      painters[1].load(ball)
+      painters[2].load(ball)
+    }
+    draw()
+  }
+  // Several properties arrive one by one in one task: load them once, when all are there.
+  function scheduleReload() {
+    if (!reloading) { reloading = true; setTimeout(reload) }
+  }
+
+  // A light set in Python, for instance after "estimate"
+  model.on("change:original_light", () => { original = [...model.original_light]; schedule() })
+  model.on("change:new_light", () => { if (timer === null && !orbiting) { light = [...model.new_light]; schedule() } })
+  for (const name of ["keep_detail", "detail_range"]) { model.on(`change:${name}`, schedule) }
+  for (const name of ["step", "fraction"]) { model.on(`change:${name}`, showProgress) }
+  for (const name of ["color", "normals", "color_map", "domain", "picture_size", "analyzed_light"]) {
+    model.on(`change:${name}`, scheduleReload)
+  }
+  const standIns = {
+    fallback_picture: relit.pictureImage, fallback_ball: relit.ballImage, fallback_original_ball: drawing.ballImage,
+  }
+  for (const [name, image] of Object.entries(standIns)) {
+    const update = () => showImage(image, bytes(model[name]))
+    model.on(`change:${name}`, update)
+    if (!drawn) { update() }
+  }
+  const resized = new ResizeObserver(schedule)
+  resized.observe(root)
+  painters.forEach((one) => one?.onRestored(schedule))
+  model.on("remove", () => {
+    orbiting = false
+    clearTimeout(timer)
+    resized.disconnect()
+    painters.forEach((one) => one?.release())
+  })
+  showProgress()
+  reload()
+  schedule()
+  return root
+}
+
+const STYLE = `
+.relight {
+  --ink: var(--panel-on-surface-color, #1c1c1e); --paper: var(--panel-surface-color, #fff);
+  --line: color-mix(in srgb, var(--ink) 14%, transparent); --soft: color-mix(in srgb, var(--ink) 62%, var(--paper));
+  --accent: var(--panel-primary-color, #d9772b);
+  display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 16px; width: 100%; box-sizing: border-box;
+  color: var(--ink); font-size: 13px; line-height: 1.35;
+}
+.relight * { box-sizing: border-box; }
+.card { background: var(--paper); border: 1px solid var(--line); border-radius: 12px; overflow: hidden; display: flex;
+  flex-direction: column; min-width: 0; }
+.card header { display: flex; align-items: baseline; gap: 10px; padding: 10px 16px; flex-wrap: wrap; }
+.card h2 { margin: 0; font-size: 15px; font-weight: 600; letter-spacing: .01em; }
+.card header p { margin: 0; color: var(--soft); font-size: 12px; }
+.stage { position: relative; height: clamp(240px, calc(100vh - 432px), 720px); touch-action: none; cursor: grab;
+  overflow: hidden; background: repeating-conic-gradient(#747579 0% 25%, #7f8084 0% 50%) 0 0 / 20px 20px; }
+.dragging .stage, .dragging .ball-box { cursor: grabbing; }
+.picture { position: absolute; inset: 12px; width: calc(100% - 24px); height: calc(100% - 24px); object-fit: contain;
+  user-select: none; -webkit-user-drag: none; }
+.picture.pixels { image-rendering: pixelated; }
+.empty .picture, .empty .sun, .empty .dot, .stand-in { visibility: hidden; }
+.no-webgl .stand-in { visibility: visible; }
+.no-webgl .relit canvas.picture, .no-webgl canvas.ball { visibility: hidden; }
+.sun { position: absolute; left: calc(50% - 14px); top: calc(50% - 14px); width: 28px; height: 28px; border-radius: 50%;
+  pointer-events: none; background: rgba(255, 255, 255, .92); box-shadow: 0 1px 5px rgba(0, 0, 0, .45); opacity: .78;
+  transition: opacity .15s; }
+.stage:hover .sun, .dragging .sun { opacity: 1; }
+.sun svg { width: 28px; height: 28px; padding: 5px; fill: #f2a11b; stroke: #d98407; stroke-width: 2; stroke-linecap: round; }
+.controls { display: flex; gap: 18px; align-items: center; padding: 14px 16px; border-top: 1px solid var(--line); }
+.ball-box { position: relative; flex: none; width: 112px; height: 112px; cursor: grab; touch-action: none; border-radius: 50%; }
+.ball { position: absolute; inset: 0; width: 100%; height: 100%; border-radius: 50%;
+  box-shadow: 0 0 0 1px var(--line), 0 4px 14px rgba(0, 0, 0, .22); user-select: none; }
+.dot { position: absolute; inset: 0; pointer-events: none; }
+.dot::after { content: ""; position: absolute; left: calc(50% - 6px); top: calc(50% - 6px); width: 12px; height: 12px;
+  border-radius: 50%; border: 2px solid #fff; background: #f2a11b; box-shadow: 0 0 3px rgba(0, 0, 0, .7); }
+.right { flex: 1; min-width: 0; display: flex; flex-direction: column; gap: 8px; }
+.slider { display: grid; grid-template-columns: 62px minmax(0, 1fr) 42px; align-items: center; gap: 8px; }
+.slider span { color: var(--soft); }
+.slider output { text-align: right; font-variant-numeric: tabular-nums; }
+.slider input { width: 100%; margin: 0; height: 20px; appearance: none; background: none; cursor: pointer; }
+.slider input::-webkit-slider-runnable-track { height: 4px; border-radius: 2px; background: color-mix(in srgb, var(--ink) 22%, transparent); }
+.slider input::-moz-range-track { height: 4px; border-radius: 2px; background: color-mix(in srgb, var(--ink) 22%, transparent); }
+.slider input::-webkit-slider-thumb { appearance: none; width: 14px; height: 14px; margin-top: -5px; border-radius: 50%;
+  background: var(--accent); box-shadow: 0 1px 3px rgba(0, 0, 0, .4); }
+.slider input::-moz-range-thumb { width: 14px; height: 14px; border: 0; border-radius: 50%; background: var(--accent); }
+.buttons { display: flex; gap: 8px; flex-wrap: wrap; margin-top: 2px; }
+button { display: inline-flex; align-items: center; gap: 5px; font: inherit; font-weight: 500; color: var(--ink);
+  background: transparent; border: 1px solid color-mix(in srgb, var(--ink) 26%, transparent); border-radius: 7px;
+  padding: 5px 12px; cursor: pointer; white-space: nowrap; }
+button:hover { background: color-mix(in srgb, var(--ink) 8%, transparent); }
+button:focus-visible, input:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }
+button svg { width: 15px; height: 15px; fill: currentColor; margin-left: -3px; }
+.busy { position: absolute; left: 50%; bottom: 18px; width: min(320px, calc(100% - 32px)); padding: 10px 14px;
+  transform: translateX(-50%); display: none; grid-template-columns: 1fr auto; gap: 6px 14px; align-items: center;
+  background: var(--paper); border-radius: 10px; box-shadow: 0 4px 22px rgba(0, 0, 0, .35); cursor: default; }
+.busy.on { display: grid; }
+.busy .step { overflow: hidden; text-overflow: ellipsis; white-space: nowrap; }
+.busy .step::first-letter { text-transform: uppercase; }
+.busy .track { grid-row: 2; height: 4px; border-radius: 2px; background: var(--line); overflow: hidden; }
+.busy .track div { height: 100%; background: var(--accent); transition: width .15s; }
+.busy button { grid-area: 1 / 2 / 3 / 3; }
+@media (max-width: 640px) {
+  .relight { grid-template-columns: minmax(0, 1fr); }
+  .card.relit { order: -1; }
+  .stage { height: min(84vw, 420px); }
+  .ball-box { width: 92px; height: 92px; }
+}
+@media (min-width: 641px) and (max-width: 1180px) {
+  .card header p { display: none; }
+  .controls { gap: 12px; padding: 12px; }
+  .ball-box { width: 84px; height: 84px; }
+  .slider { grid-template-columns: 58px minmax(0, 1fr) 38px; gap: 4px; }
+}
+`
+
+export default {render}

@@ -1,0 +1,113 @@
+"""The relight view: a drawing beside its relit picture, both with a light to drag (WebGL2, in the browser).
+
+A drag never waits for Python: the fragment shader in `relight_view.js` evaluates the formula of
+`toonkit.relighting`, and the light is sent back ten times a second. Where WebGL2 is missing, Python paints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from functools import cache
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import panel as pn
+import param
+from numpy.typing import NDArray
+from PIL import Image
+
+from toonkit.analysis import ToonAnalysis
+from toonkit.model.light import light_direction
+from toonkit.model.normals import NormalField
+from toonkit.model.shading import shade
+from toonkit.relighting import DETAIL_RANGE, relight
+from toonkit.viz.textures import encode_textures
+
+BALL_SIZE = 112
+"""Width in pixels of the light ball where Python has to paint it."""
+
+
+class RelightView(pn.custom.JSComponent):
+    """
+    The picture as drawn and as relit, with light balls and sliders.
+
+    Call `show` with each new analysis. `on_msg` delivers what its buttons ask for:
+    `{"action": "estimate"}` and `{"action": "cancel"}`.
+
+    Examples
+    --------
+    >>> view = RelightView(new_light=[30, 50])  # doctest: +SKIP
+    >>> view.show(toonkit.analyze(image))  # doctest: +SKIP
+    """
+
+    original_light = param.List([135.0, 45.0], bounds=(2, 2), doc="Azimuth and elevation of the artist's light, degrees.")
+    new_light = param.List([45.0, 45.0], bounds=(2, 2), doc="Azimuth and elevation of the new light, degrees.")
+    keep_detail = param.Boolean(True, doc="Keep what the artist painted on top of the color map.")
+    step = param.String("", doc='What is being computed; "" when idle.')
+    fraction = param.Number(0.0, bounds=(0, 1), doc="How much of it is done.")
+
+    color = param.Bytes(b"", doc="RGBA8 texture: see RelightTextures, as for the next ones.")
+    normals = param.Bytes(b"", doc="RG16F texture.")
+    color_map = param.Bytes(b"", doc="RGBA32F texture, one row.")
+    domain = param.List([-1.0, 1.0], bounds=(2, 2), doc="Illumination at the color map's two ends.")
+    picture_size = param.List([0, 0], bounds=(2, 2), doc="Width and height of the picture, pixels.")
+    analyzed_light = param.List([135.0, 45.0], bounds=(2, 2), doc="The light of the analysis on screen, degrees.")
+    detail_range = param.Number(DETAIL_RANGE, doc="Change of illumination over which details fade.")
+
+    webgl = param.Boolean(True, doc="Whether the browser has WebGL2; told by the browser.")
+    fallback_picture = param.Bytes(b"", doc="PNG of the relit picture, only without WebGL2.")
+    fallback_ball = param.Bytes(b"", doc="PNG of the new light's ball, only without WebGL2.")
+    fallback_original_ball = param.Bytes(b"", doc="PNG of the original light's ball, only without WebGL2.")
+
+    _esm = Path(__file__).with_name("relight_view.js")
+
+    def __init__(self, **params: Any) -> None:
+        self._analysis: ToonAnalysis | None = None
+        super().__init__(**{"sizing_mode": "stretch_width", **params})
+
+    def show(self, analysis: ToonAnalysis) -> None:
+        """Put an analysis on screen; the new light stays where it is."""
+        self._analysis = analysis
+        textures = asdict(encode_textures(analysis))
+        size = [textures.pop("width"), textures.pop("height")]
+        angles = list(textures.pop("analyzed_light"))
+        domain = list(textures.pop("domain"))
+        self.param.update(
+            **textures, picture_size=size, domain=domain, analyzed_light=angles, original_light=angles
+        )
+        self._paint()
+
+    @param.depends("webgl", "new_light", "keep_detail", watch=True)
+    def _paint(self) -> None:
+        """Paint in Python what a browser without WebGL2 cannot."""
+        analysis = self._analysis
+        if self.webgl or analysis is None:
+            return
+        light = light_direction(*self.new_light)
+        sphere, color_map = _hemisphere(BALL_SIZE), analysis.color_map
+        self.param.update(
+            fallback_picture=_png(relight(analysis, light, keep_detail=self.keep_detail).to_rgba()),
+            fallback_ball=_png(shade(sphere, light, color_map).to_rgba()),
+            fallback_original_ball=_png(shade(sphere, analysis.light, color_map).to_rgba()),
+        )
+
+
+@cache
+def _hemisphere(size: int) -> NormalField:
+    """Return the normals of a sphere that fills a square of `size` pixels."""
+    x = (np.arange(size) + 0.5 - size / 2) / (size / 2 - 1)
+    squared = x[None, :] ** 2 + x[:, None] ** 2
+    z = np.sqrt(np.maximum(0.0, 1 - squared))
+    vectors = np.stack([*np.broadcast_arrays(x[None, :], -x[:, None]), z], axis=-1)
+    mask = squared < 1
+    vectors[~mask] = (0.0, 0.0, 1.0)
+    return NormalField(vectors, mask)
+
+
+def _png(rgba: NDArray[np.uint8]) -> bytes:
+    """Encode RGBA quickly: the network is local, time matters more than bytes."""
+    buffer = BytesIO()
+    Image.fromarray(rgba).save(buffer, "PNG", compress_level=1)
+    return buffer.getvalue()
