@@ -112,7 +112,9 @@ def drag(page: Page, seconds: float) -> list[float]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("-o", "--output", type=Path, help="write the figures here, as JSON")
     parser.add_argument("--seconds", type=float, default=5, help="how long to drag (default 5)")
     options = parser.parse_args()

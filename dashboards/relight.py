@@ -31,7 +31,9 @@ COLOR_MAP_NOTE = (
     "Each dot is a pixel in its own color, placed by the light it would get on the first, puffed-up shape. "
     "The curve is the color map fitted to them, and a bar is the range of light that one color stands for."
 )
-NORMAL_MAP_NOTE = "Which way the surface faces: red to the right, green up, blue toward you (OpenGL convention)."
+NORMAL_MAP_NOTE = (
+    "Which way the surface faces: red to the right, green up, blue toward you (OpenGL convention)."
+)
 SHAPE_NOTE = "The recovered surface with its normals. Drag to turn it, scroll to come closer."
 DROP_ZONE = """
 .filepond--root { min-height: 64px; font-family: inherit; margin: 0; border-radius: 8px; background: transparent !important;
@@ -44,7 +46,11 @@ DROP_ZONE = """
 THEME = {
     "palette": {"primary": {"main": ACCENT}},
     "components": {
-        "MuiAppBar": {"styleOverrides": {"root": {"backgroundColor": "#17181b", "color": "#f4f2ee", "boxShadow": "none"}}}
+        "MuiAppBar": {
+            "styleOverrides": {
+                "root": {"backgroundColor": "#17181b", "color": "#f4f2ee", "boxShadow": "none"}
+            }
+        }
     },
 }
 
@@ -62,7 +68,10 @@ def stage(state: RelightState) -> RelightView:
     view = RelightView(
         new_light=state.new_light,
         original_light=state.original_light,
-        step=state.param.step, fraction=state.param.fraction, keep_detail=state.param.keep_detail, min_height=400
+        step=state.param.step,
+        fraction=state.param.fraction,
+        keep_detail=state.param.keep_detail,
+        min_height=400,
     )
     view.link(state, bidirectional=True, new_light="new_light", original_light="original_light")
 
@@ -92,7 +101,7 @@ def drawing_picker(state: RelightState) -> pn.Column:
         max_file_size=LARGEST_FILE,
         multiple=False,
         previews=[],
-        height=72,
+        height=84,
         margin=(0, 12),
         stylesheets=[DROP_ZONE],
         **WIDE,
@@ -162,7 +171,9 @@ def color_map_tab() -> TabMaker:
 def normal_map_tab() -> TabMaker:
     from toonkit.viz.elements import normal_map  # noqa: PLC0415
 
-    return lambda shown: tab_content(NORMAL_MAP_NOTE, pn.pane.HoloViews(normal_map(shown.normals), **TAB_SIZE))
+    return lambda shown: tab_content(
+        NORMAL_MAP_NOTE, pn.pane.HoloViews(normal_map(shown.normals), **TAB_SIZE)
+    )
 
 
 def shape_tab() -> TabMaker:

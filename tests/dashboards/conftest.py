@@ -27,7 +27,6 @@ def free_port() -> int:
 @pytest.fixture(scope="session")
 def base_url():
     """No base address: the plugin's own fixture of this name is declared in a way that pytest deprecates."""
-    return None
 
 
 @pytest.fixture(scope="session")

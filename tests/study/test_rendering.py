@@ -46,7 +46,7 @@ def test_ellipsoids_agree_with_the_closed_form(radii: tuple[float, float, float]
     picture = render_shape(solid(d.ellipsoid((0, 0, 0), radii)), size, view=FRONT)
     x, y = places(size, extent)
     level = np.hypot(x / radii[0], y / radii[1])
-    # The frame is measured to within a step of 0.0001; a hundredth of a pixel at 128.
+    # The frame is measured to within 0.00003; less than a hundredth of a pixel at 128.
     assert (picture.mask == (level < 1))[np.abs(level - 1) > 5e-4].all()
     inner = level < 0.98  # closer to the outline, a displacement that small turns normals by more
     error = degrees_between(picture.normals.vectors[inner], ellipsoid_normals(x[inner], y[inner], radii))

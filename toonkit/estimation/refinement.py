@@ -21,6 +21,9 @@ from toonkit.numerics.unit_field import UnitFieldProblem, solve_unit_field
 
 Progress = Callable[[float], None]
 
+MARGIN_SHARE = 0.25
+"""Largest share of an interval, on either side, that the margin takes."""
+
 
 @dataclass(frozen=True)
 class RefinementOptions:
@@ -29,6 +32,10 @@ class RefinementOptions:
 
     Attributes
     ----------
+    margin : float
+        How far inside its interval a pixel is asked to be, in illumination; never more than a quarter of the interval.
+        Without it every pixel that its interval moved would end exactly on a bound, and the smallest turn of the light
+        would flip its color: old band edges would show in the relit picture.
     change_length : float
         Over what length the change of the normals is smooth, in units of sqrt(object area).
     integrability_length : float
@@ -39,13 +46,14 @@ class RefinementOptions:
         Sweeps allowed on each grid.
     """
 
-    change_length: float = 0.001
-    integrability_length: float = 0.005
+    margin: float = 0.05
+    change_length: float = 0.002
+    integrability_length: float = 0.01
     rim_hold: float = 1.0
     sweeps: int = 50
 
     def __post_init__(self) -> None:
-        for name in ("change_length", "integrability_length", "rim_hold"):
+        for name in ("margin", "change_length", "integrability_length", "rim_hold"):
             value = getattr(self, name)
             if not is_number(value) or value < 0:
                 raise refuse(name, "must be a number >= 0", value)
@@ -114,7 +122,7 @@ def refine(
     options = options or RefinementOptions()
     grid = MaskedGrid(initial_normals.mask)
     start = initial_normals.vectors[grid.mask]
-    shading = _shading_term(grid, light, interval)
+    shading = _with_margin(_shading_term(grid, light, interval), start, options.margin)
     size = float(np.sqrt(grid.size))
     silhouette = trace_silhouette(grid, grid.mask.astype(np.float64) if alpha is None else alpha)
     ties = options.rim_hold * block_sums(silhouette.pixels, 1.0 / silhouette.distances, grid.size)
@@ -199,6 +207,16 @@ def refine_as_printed(
         progress=progress,
     )
     return Refinement(NormalField(grid.scatter(field), grid.mask), report)
+
+
+def _with_margin(shading: ShadingTerm, start: FloatArray, margin: float) -> ShadingTerm:
+    """Move the bounds inward, but for -1 and 1: those end the darkest and the brightest color, and are no band edges."""
+    occurring = start @ shading.light
+    width = np.minimum(shading.upper, occurring.max()) - np.maximum(shading.lower, occurring.min())
+    inward = np.minimum(margin, MARGIN_SHARE * np.maximum(width, 0.0))
+    lower = np.where(shading.lower > -1.0, shading.lower + inward, shading.lower)
+    upper = np.where(shading.upper < 1.0, shading.upper - inward, shading.upper)
+    return ShadingTerm(shading.light, lower, np.maximum(lower, upper))
 
 
 def _shading_term(grid: MaskedGrid, light: ArrayLike, interval: IlluminationInterval) -> ShadingTerm:

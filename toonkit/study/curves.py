@@ -73,18 +73,19 @@ def _feet(points, samples, coefficients, per_span, closed):  # type: ignore[no-u
         for step in range(4):
             span = min(int(foot), spans - 1)
             t = foot - span
-            slope, bend = 0.0, 0.0
+            slope, bend, squared = 0.0, 0.0, 0.0
             for k in range(dimensions):
                 a, b, c, e = coefficients[span, :, k]
                 offset = ((a * t + b) * t + c) * t + e - points[i, k]
                 first = (3 * a * t + 2 * b) * t + c
                 slope += offset * first
+                squared += first * first
                 bend += first * first + offset * (6 * a * t + 2 * b)
                 away[i, k], velocity[i, k] = -offset, first
             if step == 3:  # the last round only evaluates
                 break
-            # Near a center of curvature Newton's step grows without bound, but the foot is within one sample.
-            advance = slope / max(bend, 1e-9)
+            # Near a center of curvature Newton's step grows without bound; a shorter one still goes downhill.
+            advance = slope / max(bend, 0.3 * squared)
             foot -= min(max(advance, -1 / per_span), 1 / per_span)
             foot = foot % spans if closed else min(max(foot, 0.0), float(spans))
         feet[i] = foot

@@ -34,7 +34,8 @@ def ellipsoid(center: Vector, radii: Vector) -> Distance:
         scaled = (points - middle) / semi
         level = _length(scaled)
         slope = _length(scaled / semi)
-        return np.asarray(level * (level - 1) / np.maximum(slope, 1e-12))
+        first_order = level * (level - 1) / np.maximum(slope, 1e-12)
+        return np.asarray(np.maximum(first_order, -semi.min()))  # no point lies deeper
 
     return distance
 

@@ -72,7 +72,7 @@ def _teapot() -> Distance:
         [(-0.5, 0.24, 0), (-0.78, 0.34, 0), (-1.04, 0.2, 0), (-1.0, -0.1, 0), (-0.58, -0.32, 0)],
         [0.07, 0.075, 0.08, 0.075, 0.065],
     )
-    opening = d.place(d.ellipsoid((0, 0, 0), (0.055, 0.14, 0.055)), (1.14, 0.37, 0), z=-42)
+    opening = d.capsule((1.06, 0.28, 0), (1.2, 0.43, 0), 0.045, 0.055)
     whole = d.smooth_union(0.06, d.smooth_union(0.03, pot, lid), handle)
     return d.smooth_union(0.1, whole, d.smooth_subtract(0.02, spout, opening))
 
@@ -131,7 +131,7 @@ def _pear() -> dict[str, Distance]:
     bent = d.intersect(
         blade, d.smooth_subtract(0.02, d.sphere((0, 0, -0.6), 0.68), d.sphere((0, 0, -0.6), 0.61))
     )
-    leaf = d.place(bent, (0.31, 0.93, 0.05), x=-35, y=25, z=22)
+    leaf = d.place(bent, (0.27, 0.95, 0.03), x=-35, y=25, z=22)
     return {"fruit": fruit, "stem": stem, "leaf": leaf}
 
 

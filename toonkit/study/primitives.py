@@ -39,8 +39,9 @@ def _rounded_box() -> Distance:
 
 @shape("three_box", "primitive", View(yaw=-38, pitch=27))
 def _three_box() -> Distance:
+    # Each is sunk into the one below: where faces only touch, the distance has no gradient.
     return d.union(
         d.rounded_box((0, -0.5, 0), (0.85, 0.25, 0.85), 0.0),
-        d.place(d.rounded_box((0, 0, 0), (0.5, 0.3, 0.5), 0.0), (-0.1, 0.05, -0.1), y=18),
-        d.place(d.rounded_box((0, 0, 0), (0.3, 0.28, 0.3), 0.0), (-0.05, 0.63, -0.1), y=-20),
+        d.place(d.rounded_box((0, 0, 0), (0.5, 0.32, 0.5), 0.0), (-0.1, 0.03, -0.1), y=18),
+        d.place(d.rounded_box((0, 0, 0), (0.3, 0.3, 0.3), 0.0), (-0.05, 0.61, -0.1), y=-20),
     )

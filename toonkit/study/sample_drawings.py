@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
-from scipy.ndimage import distance_transform_edt, gaussian_filter, rotate
+from scipy.ndimage import distance_transform_edt, gaussian_filter, label, rotate
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.export.atomic import atomic_write
@@ -70,21 +70,28 @@ class Sample:
 
 SAMPLES = (
     Sample("cat", "Sunset cat", "cat", "sunset", (130, 42), "three tones with hue-shifted shadows"),
-    Sample("duck", "Paper duck", "duck", "plum_cream", (55, 45), "two hard tones"),
-    Sample("rabbit", "Inked rabbit", "rabbit", "skin_cel", (125, 48), "line art", ink=True),
-    Sample("teapot", "Ocean teapot", "teapot", "ocean", (120, 40), "five hard tones"),
-    Sample("pear", "Golden pear", "pear", "olive_gold", (140, 50), "soft transitions"),
-    Sample("vase", "Watercolor vase", "vase", "watercolor", (40, 45), "brush texture", brush=0.035),
-    Sample("knot", "Pastel knot", "knot", "lilac_soft", (110, 50), "four soft tones on a shape with a hole"),
-    Sample("head", "Noir head", "head", "ink_paper", (35, 35), "two tones, nothing but light and shadow"),
+    Sample("duck", "Lemon duck", "duck", "teal_lemon", (115, 38), "two hard tones"),
+    Sample(
+        "rabbit",
+        "Inked rabbit",
+        "rabbit",
+        {"fur": "skin_cel", "nose": "velvet", "eyes": "steel_rim", "tail": "porcelain"},
+        (135, 35),
+        "line art",
+        ink=True,
+    ),
+    Sample("donut", "Candy donut", "torus", "candy", (130, 42), "four tones on a shape with a hole"),
+    Sample("pear", "Peach pear", "pear", "peach_soft", (50, 42), "soft, painterly transitions"),
     Sample(
         "mushroom",
         "Toadstool",
         "mushroom",
         {"stem": "peach_soft", "cap": "cherry_gloss", "spots": "porcelain"},
-        (135, 50),
+        (125, 45),
         "several materials",
     ),
+    Sample("fish", "Brushed fish", "fish", "watercolor", (60, 45), "brush strokes", brush=0.03),
+    Sample("ghost", "Pale ghost", "drapery", "pastel_mist", (130, 42), "pastel tones of low contrast"),
 )
 
 
@@ -115,29 +122,50 @@ def draw_sample(sample: Sample, *, size: int = SIZE) -> FloatArray:
     rows, columns = nearest_object_pixel(large.mask)
     color = np.clip(color[rows, columns], 0.0, 1.0)
     alpha = _reduced(large.coverage)
-    weighted = np.stack([_reduced(channel * large.coverage) for channel in np.moveaxis(color, -1, 0)], axis=-1)
+    weighted = np.stack(
+        [_reduced(channel * large.coverage) for channel in np.moveaxis(color, -1, 0)], axis=-1
+    )
     plain = np.stack([_reduced(channel) for channel in np.moveaxis(color, -1, 0)], axis=-1)
     covered = alpha[..., None] > 0
     straight = np.where(covered, weighted / np.where(covered, alpha[..., None], 1.0), plain)
     return np.concatenate([np.where(covered, straight, 0.0), alpha[..., None]], axis=-1)
 
 
-def write_samples(folder: Path) -> list[Path]:
-    """Draw all samples into a folder, with `samples.json` beside them; return the paths of the pictures."""
+def write_samples(folder: Path, samples: Sequence[Sample] = SAMPLES, *, size: int = SIZE) -> Iterator[Path]:
+    """
+    Draw samples into a folder, which is made if need be, and `samples.json` beside them.
+
+    Parameters
+    ----------
+    folder : Path
+        Where to.
+    samples : sequence of Sample, optional
+        What to draw.
+    size : int, optional
+        Side of the pictures in pixels.
+
+    Yields
+    ------
+    Path
+        Each picture once it is written; the list comes last.
+
+    Raises
+    ------
+    ToonkitError
+        If a file cannot be written.
+    """
     folder.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for sample in SAMPLES:
+    for sample in samples:
         path = folder / f"{sample.name}.png"
         with atomic_write(path) as file:
-            Image.fromarray(to_bytes(draw_sample(sample))).save(file, format="PNG", optimize=True)
-        paths.append(path)
+            Image.fromarray(to_bytes(draw_sample(sample, size=size))).save(file, format="PNG", optimize=True)
+        yield path
     records = [
         {"name": sample.name, "title": sample.title, "light": list(sample.light), "shows": sample.shows}
-        for sample in SAMPLES
+        for sample in samples
     ]
     with atomic_write(folder / "samples.json") as file:
         file.write((json.dumps(records, indent=1) + "\n").encode())
-    return paths
 
 
 def to_bytes(picture: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
@@ -163,17 +191,24 @@ def _brush_texture(size: int) -> FloatArray:
     strokes = gaussian_filter(noise, (1.6 * OVERSAMPLING, 14 * OVERSAMPLING))
     turned = rotate(strokes, 32, reshape=False, order=1)
     start = size // 4
-    texture: FloatArray = turned[start : start + size, start : start + size]
-    return texture / texture.std()
+    texture = turned[start : start + size, start : start + size]
+    unit: FloatArray = texture / texture.std()
+    return unit
 
 
 def _line_coverage(shape: RenderedShape, width: float) -> FloatArray:
-    """How much of each pixel is ink, 0 or 1: within half the pen's width of an outline, a fold or a new material."""
-    lines = ~shape.mask
+    """How much of each pixel is ink, 0 or 1: the pen's width inside the outline, and along folds and materials."""
+    lines = np.zeros_like(shape.mask)
     for axis in (0, 1):
         lines |= _jumps(shape, axis)
-    distance = distance_transform_edt(~lines)
-    return np.where(shape.mask, (distance < width / 2).astype(np.float64), 0.0)
+    labels, count = label(lines, structure=np.ones((3, 3)))
+    short = np.flatnonzero(np.bincount(labels.ravel(), minlength=count + 1) < 6 * width)
+    lines &= ~np.isin(labels, short)
+    # The outline lies inside the object, a line within the object on both its sides.
+    inked = distance_transform_edt(shape.mask) < width
+    if lines.any():
+        inked |= distance_transform_edt(~lines) < width / 2
+    return np.where(shape.mask, inked.astype(np.float64), 0.0)
 
 
 def _jumps(shape: RenderedShape, axis: int) -> BoolArray:
@@ -184,13 +219,15 @@ def _jumps(shape: RenderedShape, axis: int) -> BoolArray:
     turn = np.sum(vectors * np.roll(vectors, 1, axis), axis=-1)
     other = shape.part != np.roll(shape.part, 1, axis)
     both = shape.mask & np.roll(shape.mask, 1, axis)
-    jumps: BoolArray = both & ((step > 0.02 * shape.mask.shape[0]) | (turn < np.cos(np.deg2rad(40))) | other)
+    # A surface as steep as that turns away from the viewer: what follows lies behind it.
+    jumps: BoolArray = both & ((step > 0.005 * len(depth)) | (turn < np.cos(np.deg2rad(40))) | other)
     return jumps
 
 
 def _reduced(channel: FloatArray) -> FloatArray:
     size = channel.shape[0] // OVERSAMPLING
-    return channel.reshape(size, OVERSAMPLING, size, OVERSAMPLING).mean(axis=(1, 3))
+    blocks: FloatArray = channel.reshape(size, OVERSAMPLING, size, OVERSAMPLING).mean(axis=(1, 3))
+    return blocks
 
 
 def main() -> None:
@@ -198,7 +235,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Draw toonkit's sample drawings.")
     parser.add_argument("-o", "--output", type=Path, default=FOLDER, metavar="DIR")
     for path in write_samples(parser.parse_args().output):
-        print(path)
+        print(path, flush=True)
 
 
 if __name__ == "__main__":

@@ -21,11 +21,11 @@ DIFFERENCE_STEP = 1e-4
 
 _CELL_WIDTHS = (0.16, 0.02, 0.004)  # bundles of rays that start together, coarse to fine
 _CHUNK = 8192  # points at a time, so that the intermediate arrays of a distance stay in the cache
-_MAX_STEPS = 150  # a ray that takes longer creeps along the outline and is a miss
+_MAX_STEPS = 300  # the slowest, which run along one surface and on to another, take some 100
 _CLOSE = 2e-3  # half a pixel at 512: within it a surface is nearly a plane
 _MAX_RELAXATION = 4.0  # what a longer step could miss is a chord of 0.008, less than a 100th of a pixel high
 _GRAZING = 0.1  # slope of a ray that runs along the surface
-_GRAZING_STEP = 3e-4  # lest it creep: a chord that short is 1e-6 high on a ball of radius 0.01
+_GRAZING_STEP = 1e-3  # lest it creep: a chord that short is 4e-6 high on a ball of radius 0.03
 _BRACKET_STEPS = 8
 _MIN_ADVANCE = 0.02  # of its cell's width; a bundle that would advance less has arrived
 _MIN_BUNDLE = 4  # rays; smaller bundles cost more than they save
@@ -51,13 +51,14 @@ class DistanceSolid:
         return depth
 
     def normals(self, points: FloatArray) -> FloatArray:
-        """Return the outward unit normals, shape (n, 3), at surface points, both in the view's axes."""
+        """Return the outward unit normals, shape (n, 3), at surface points, both in the view's axes; 0 if none."""
         gradient = np.empty_like(points)
         for axis in range(3):
             offset = np.zeros(3)
             offset[axis] = DIFFERENCE_STEP
             gradient[:, axis] = self._distance(points + offset) - self._distance(points - offset)
-        return np.asarray(gradient / np.linalg.norm(gradient, axis=1, keepdims=True))
+        length = np.linalg.norm(gradient, axis=1, keepdims=True)
+        return gradient / np.where(length > 0, length, 1.0)
 
     def parts(self, points: FloatArray) -> NDArray[np.intp]:
         """Return the material index, shape (n,), of surface points."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import holoviews as hv
 import holoviews.plotting.bokeh
 import numpy as np
@@ -170,7 +172,7 @@ def error_map(error: ArrayLike, *, label: str, unit: str, limit: float | None = 
     )
 
 
-_PICTURE = {
+_PICTURE: dict[str, Any] = {
     "xaxis": None,
     "yaxis": None,
     "data_aspect": 1,

@@ -36,5 +36,8 @@ class HeightPane(VTKRenderWindow):
             renderer.ResetCameraClippingRange()
         scene = serializer.serializeInstance(None, ren_win, context.getReferenceId(ren_win), context, 0)
         scene["properties"]["numberOfLayers"] = 2  # the page keeps the second one for its orientation widget
-        arrays = {name: context.getCachedDataArray(name, binary=True, compression=False) for name in context.dataArrayCache}
+        arrays = {
+            name: context.getCachedDataArray(name, binary=True, compression=False)
+            for name in context.dataArrayCache
+        }
         return scene, arrays, context.getAnnotations()

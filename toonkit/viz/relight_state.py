@@ -50,7 +50,7 @@ _kept: OrderedDict[Key, ToonAnalysis] = OrderedDict()
 _at_work = threading.Lock()  # one analysis at a time: it uses every core, and numba's threads do not share
 
 
-class Cancelled(Exception):
+class CancelledError(Exception):
     """Raised inside a computation to end it."""
 
 
@@ -70,8 +70,12 @@ class RelightState(param.Parameterized):
 
     sample = param.String("", doc='Name of the sample on screen; "" for a picture of the user\'s own.')
     method = param.String(DEFAULT_METHOD, doc="Name of the estimator in METHODS.")
-    original_light = param.List([135.0, 45.0], bounds=(2, 2), doc="Azimuth and elevation of the artist's light, degrees.")
-    new_light = param.List([35.0, 40.0], bounds=(2, 2), doc="Azimuth and elevation of the new light, degrees.")
+    original_light = param.List(
+        [135.0, 45.0], bounds=(2, 2), doc="Azimuth and elevation of the artist's light, degrees."
+    )
+    new_light = param.List(
+        [35.0, 40.0], bounds=(2, 2), doc="Azimuth and elevation of the new light, degrees."
+    )
     keep_detail = param.Boolean(True, doc="Keep what the artist painted on top of the color map.")
     analysis = param.Parameter(None, doc="The ToonAnalysis on screen.")
     step = param.String("", doc='What is being computed; "" when idle.')
@@ -148,7 +152,7 @@ class RelightState(param.Parameterized):
             self.param.update(step=step, fraction=0.0)
             try:
                 result = await asyncio.to_thread(task, self._progress(stop))
-            except Cancelled:
+            except CancelledError:
                 result = None
             except BaseException:
                 self._restore()
@@ -169,7 +173,7 @@ class RelightState(param.Parameterized):
         def report(step: str, fraction: float) -> None:
             nonlocal shown_at
             if stop.is_set():
-                raise Cancelled
+                raise CancelledError
             now = time.monotonic()
             if now - shown_at > PROGRESS_SECONDS:
                 shown_at = now

@@ -48,14 +48,15 @@ void main() {
   if (u_detail > 0.0) {
     float before = dot(u_original, N);
     float change = (after - before) / u_range;
-    relit += exp(-change * change) * (color.rgb - M(before));
+    float gone = change * change;
+    if (gone < 14.0) { relit += exp(-gone) * (color.rgb - M(before)); }  // exp(-14) is far below 1/255
   }
   relit = clamp(relit, 0.0, 1.0);
   if (fringe && u_detail > 0.0) { relit = clamp(own.rgb + relit - color.rgb, 0.0, 1.0); }
   painted = vec4(relit, own.a);
 }`
 
-const BALL_PIXELS = 224
+const BALL_PIXELS = 192
 const SEND_EVERY_MS = 100
 const ORBIT_DEGREES_PER_SECOND = 50
 const ORBIT_HIGHEST = 65  // degrees: a light straight ahead would circle without anything moving
@@ -205,10 +206,12 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
   for (const image of [pictureImage, ballImage]) { image.alt = ""; image.draggable = false }
   ball.setAttribute("aria-label", `${title}: drag to move the light`)
 
+  let half = 0
+  function measure() { half = Math.min(stage.clientWidth, stage.clientHeight) / 2 }
+
   function show(next) {
     angles = next
     const [x, y] = direction(angles)
-    const half = Math.min(stage.clientWidth, stage.clientHeight) / 2
     sun.style.transform = `translate(${x * (half - 16)}px, ${-y * (half - 16)}px)`
     dot.style.transform = `translate(${x * 46}%, ${-y * 46}%)`
     sliders.forEach(({input, output}, index) => {
@@ -258,7 +261,7 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
     node.addEventListener("click", onClick)
     return node
   }
-  return {card, stage, picture, pictureImage, ball, ballImage, show, button}
+  return {card, stage, picture, pictureImage, ball, ballImage, measure, show, button}
 }
 
 function showImage(image, data) {
@@ -272,7 +275,7 @@ function render({model}) {
   const style = element(root, "style", "")
   style.textContent = STYLE
   let original = [...model.original_light], light = [...model.new_light]
-  let orbiting = false, scheduled = false, lastSent = 0, timer = null
+  let orbiting = false, scheduled = false, originalMoved = true, lastSent = 0, timer = null
 
   // ---- light: drawn at once, told to Python at most ten times a second
   function send() {
@@ -304,7 +307,7 @@ function render({model}) {
 
   const drawing = lightCard(root, {
     name: "original", title: "Your drawing", hint: "Drag to show where the artist's light is", angles: original,
-    onMove: (next) => { original = next; schedule() },
+    onMove: (next) => { original = next; scheduleAll() },
     // A new original light means a new analysis: only asked for when the hand lets go.
     onRelease: () => { model.original_light = [...original] },
   })
@@ -341,17 +344,24 @@ function render({model}) {
 
   function draw() {
     scheduled = false
-    drawing.show(original)
     relit.show(light)
+    if (originalMoved) { drawing.show(original) }
     if (!drawn) { return }
     const [from, to] = [direction(original), direction(light)]
     // The picture's details belong to the light it was analyzed under, not to one being dragged or on its way.
     painters[0].draw({original: direction(model.analyzed_light), light: to, detail: model.keep_detail, range: model.detail_range})
     painters[1].draw({original: from, light: to, detail: false, range: 1})
-    painters[2].draw({original: from, light: from, detail: false, range: 1})
+    if (originalMoved) { painters[2].draw({original: from, light: from, detail: false, range: 1}) }
+    originalMoved = false
   }
   function schedule() {
     if (!scheduled) { scheduled = true; requestAnimationFrame(draw) }
+  }
+
+  // The original light's ball stands still while the new light is dragged: not worth a redraw then.
+  function scheduleAll() {
+    originalMoved = true
+    schedule()
   }
 
   let reloading = false
@@ -375,6 +385,7 @@ function render({model}) {
       painters[1].load(ball)
       painters[2].load(ball)
     }
+    originalMoved = true
     draw()
   }
   // Several properties arrive one by one in one task: load them once, when all are there.
@@ -383,7 +394,7 @@ function render({model}) {
   }
 
   // A light set in Python, for instance after "estimate"
-  model.on("change:original_light", () => { original = [...model.original_light]; schedule() })
+  model.on("change:original_light", () => { original = [...model.original_light]; scheduleAll() })
   model.on("change:new_light", () => { if (timer === null && !orbiting) { light = [...model.new_light]; schedule() } })
   for (const name of ["keep_detail", "detail_range"]) { model.on(`change:${name}`, schedule) }
   for (const name of ["step", "fraction"]) { model.on(`change:${name}`, showProgress) }
@@ -398,9 +409,9 @@ function render({model}) {
     model.on(`change:${name}`, update)
     if (!drawn) { update() }
   }
-  const resized = new ResizeObserver(schedule)
+  const resized = new ResizeObserver(() => { for (const card of [drawing, relit]) { card.measure() } scheduleAll() })
   resized.observe(root)
-  painters.forEach((one) => one?.onRestored(schedule))
+  painters.forEach((one) => one?.onRestored(scheduleAll))
   model.on("remove", () => {
     orbiting = false
     clearTimeout(timer)

@@ -42,8 +42,12 @@ class RelightView(pn.custom.JSComponent):
     >>> view.show(toonkit.analyze(image))  # doctest: +SKIP
     """
 
-    original_light = param.List([135.0, 45.0], bounds=(2, 2), doc="Azimuth and elevation of the artist's light, degrees.")
-    new_light = param.List([45.0, 45.0], bounds=(2, 2), doc="Azimuth and elevation of the new light, degrees.")
+    original_light = param.List(
+        [135.0, 45.0], bounds=(2, 2), doc="Azimuth and elevation of the artist's light, degrees."
+    )
+    new_light = param.List(
+        [45.0, 45.0], bounds=(2, 2), doc="Azimuth and elevation of the new light, degrees."
+    )
     keep_detail = param.Boolean(True, doc="Keep what the artist painted on top of the color map.")
     step = param.String("", doc='What is being computed; "" when idle.')
     fraction = param.Number(0.0, bounds=(0, 1), doc="How much of it is done.")
@@ -53,7 +57,9 @@ class RelightView(pn.custom.JSComponent):
     color_map = param.Bytes(b"", doc="RGBA32F texture, one row.")
     domain = param.List([-1.0, 1.0], bounds=(2, 2), doc="Illumination at the color map's two ends.")
     picture_size = param.List([0, 0], bounds=(2, 2), doc="Width and height of the picture, pixels.")
-    analyzed_light = param.List([135.0, 45.0], bounds=(2, 2), doc="The light of the analysis on screen, degrees.")
+    analyzed_light = param.List(
+        [135.0, 45.0], bounds=(2, 2), doc="The light of the analysis on screen, degrees."
+    )
     detail_range = param.Number(DETAIL_RANGE, doc="Change of illumination over which details fade.")
 
     webgl = param.Boolean(True, doc="Whether the browser has WebGL2; told by the browser.")

@@ -57,7 +57,9 @@ class HeightScene:
         """
         plotter = pv.Plotter(off_screen=off_screen)
         plotter.set_background(background)
-        plotter.add_mesh(self.surface, scalars="color", rgb=True, smooth_shading=True, specular=0.15, show_scalar_bar=False)
+        plotter.add_mesh(
+            self.surface, scalars="color", rgb=True, smooth_shading=True, specular=0.15, show_scalar_bar=False
+        )
         plotter.add_mesh(self.arrows, color=ARROW_COLOR, smooth_shading=True)
         center = np.asarray(self.surface.center)
         reach = self.surface.length
@@ -67,7 +69,9 @@ class HeightScene:
         return plotter
 
 
-def height_scene(normals: NormalField, color: ToonImage | None = None, *, size: int = DEFAULT_SIZE) -> HeightScene:
+def height_scene(
+    normals: NormalField, color: ToonImage | None = None, *, size: int = DEFAULT_SIZE
+) -> HeightScene:
     """
     Build the height surface of a normal field, with arrows along its normals.
 
@@ -123,11 +127,15 @@ def _arrows(field: HeightField, normals: NormalField) -> pv.PolyData:
     chosen[spacing // 2 :: spacing, spacing // 2 :: spacing] = True
     feet = pv.PolyData(_points(field)[chosen[field.mask]])
     feet.point_data["normal"] = normals.vectors[field.mask & chosen].astype(np.float32)
-    arrow = pv.Arrow(tip_length=0.35, tip_radius=0.11, shaft_radius=0.04, tip_resolution=10, shaft_resolution=8)
+    arrow = pv.Arrow(
+        tip_length=0.35, tip_radius=0.11, shaft_radius=0.04, tip_resolution=10, shaft_resolution=8
+    )
     return feet.glyph(orient="normal", scale=False, factor=0.9 * spacing, geom=arrow)
 
 
 def _points(field: HeightField) -> NDArray[np.float32]:
     """Object pixels in the right-handed frame, shape (P, 3): row 0 of the array is the highest y."""
     rows, columns = np.nonzero(field.mask)
-    return np.stack([columns, field.mask.shape[0] - 1 - rows, field.height[field.mask]], axis=1).astype(np.float32)
+    return np.stack([columns, field.mask.shape[0] - 1 - rows, field.height[field.mask]], axis=1).astype(
+        np.float32
+    )

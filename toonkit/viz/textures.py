@@ -85,7 +85,8 @@ def _project(normals: NormalField) -> FloatArray:
     way = np.stack([columns - here[1], rows - here[0]], axis=-1)
     vectors = np.where(normals.mask[..., None], normals.vectors, 0.0)
     projected = vectors[..., :2] / np.sqrt(2 * (1 + vectors[..., 2:]))
-    return np.where(normals.mask[..., None], projected, np.clip(way, -FARTHEST, FARTHEST))
+    encoded: FloatArray = np.where(normals.mask[..., None], projected, np.clip(way, -FARTHEST, FARTHEST))
+    return encoded
 
 
 def _map_samples(color_map: ColorMap) -> FloatArray:

@@ -1,0 +1,154 @@
+"""The drawings that ship with toonkit: what they promise to whoever opens them, and that they can be drawn anew."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from scipy.ndimage import binary_erosion, maximum_filter, minimum_filter
+
+from toonkit import load_image
+from toonkit._validation import ToonkitError
+from toonkit.model.luminance import tone
+from toonkit.samples import FOLDER, sample_light, sample_names, sample_path, sample_title
+from toonkit.study.color_maps import load_color_maps
+from toonkit.study.sample_drawings import INK, SAMPLES, draw_sample, to_bytes, write_samples
+from toonkit.study.shapes import SHAPES
+
+NAMES = sample_names()
+BY_NAME = {sample.name: sample for sample in SAMPLES}
+
+
+def pixels(name: str) -> np.ndarray:
+    """The (640, 640, 4) bytes of a sample's file."""
+    with Image.open(sample_path(name)) as picture:
+        return np.asarray(picture)
+
+
+def test_there_are_eight_samples_and_the_cat_comes_first() -> None:
+    assert len(NAMES) == 8
+    assert NAMES[0] == "cat"
+
+
+def test_the_samples_that_ship_are_those_that_the_program_draws() -> None:
+    assert tuple(sample.name for sample in SAMPLES) == NAMES
+    assert [(s.title, s.light) for s in SAMPLES] == [(sample_title(n), sample_light(n)) for n in NAMES]
+
+
+def test_no_picture_lies_in_the_folder_that_is_not_a_sample() -> None:
+    assert {path.stem for path in FOLDER.glob("*.png")} == set(NAMES)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_sample_is_an_8_bit_rgba_png_of_640_by_640(name: str) -> None:
+    with Image.open(sample_path(name)) as picture:
+        assert (picture.format, picture.mode, picture.size) == ("PNG", "RGBA", (640, 640))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_sample_takes_less_than_150_kilobytes(name: str) -> None:
+    assert sample_path(name).stat().st_size < 150_000
+
+
+def test_all_samples_together_take_less_than_a_megabyte() -> None:
+    assert sum(sample_path(name).stat().st_size for name in NAMES) < 1_000_000
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_light_of_a_sample_comes_from_the_upper_left_or_right(name: str) -> None:
+    azimuth, elevation = sample_light(name)
+    assert 100 <= azimuth <= 150 or 30 <= azimuth <= 60
+    assert 35 <= elevation <= 55
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_sample_opens_as_an_object_with_an_anti_aliased_outline(name: str) -> None:
+    image = load_image(sample_path(name))
+    assert np.array_equal(image.mask, image.alpha >= 0.5)
+    rim = image.mask & ~binary_erosion(image.mask)
+    partly = (image.alpha > 0) & (image.alpha < 1)
+    # Of the pixels along an outline about as many are cut by it as lie just inside it.
+    assert partly.sum() > 0.6 * rim.sum()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_sample_leaves_a_margin_on_all_sides(name: str) -> None:
+    alpha = pixels(name)[..., 3]
+    assert max(alpha[0].max(), alpha[-1].max(), alpha[:, 0].max(), alpha[:, -1].max()) == 0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_partly_covered_pixel_is_painted_like_the_object_beside_it(name: str) -> None:
+    picture = pixels(name)
+    brightness = tone(picture[..., :3] / 255)
+    full = picture[..., 3] == 255
+    # Pixels with no full neighbor within two (the tip of a leaf) have nothing to be compared with.
+    darkest = minimum_filter(np.where(full, brightness, np.inf), 5)
+    brightest = maximum_filter(np.where(full, brightness, -np.inf), 5)
+    partly = (picture[..., 3] > 0) & ~full & np.isfinite(darkest)
+    # A band of its own may run along the outline, thinner than a pixel (on the cat's ears): seen only in part.
+    strays = (brightness < darkest - 0.15) | (brightness > brightest + 0.15)
+    assert (strays & partly).sum() < 0.08 * partly.sum()
+
+
+def test_the_donut_is_drawn_anew_as_it_ships() -> None:
+    again = to_bytes(draw_sample(BY_NAME["donut"])).astype(int)
+    # 2 of 255: another processor may round a ray's end differently.
+    assert np.abs(again - pixels("donut")).max() <= 2
+
+
+@pytest.mark.parametrize("name", ["fish", "rabbit"])
+def test_a_sample_is_the_same_each_time_it_is_drawn(name: str) -> None:
+    assert np.array_equal(draw_sample(BY_NAME[name], size=48), draw_sample(BY_NAME[name], size=48))
+
+
+def test_the_inked_rabbit_has_a_dark_line_all_along_its_outline() -> None:
+    picture = pixels("rabbit")
+    full = picture[..., 3] == 255
+    rim = full & ~binary_erosion(full)
+    ink = tone(INK)
+    assert tone(picture[rim][:, :3] / 255).max() < ink + 0.05
+
+
+def test_only_one_sample_has_lines() -> None:
+    assert [sample.name for sample in SAMPLES if sample.ink] == ["rabbit"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_ramps_of_a_sample_are_those_of_the_study(name: str) -> None:
+    sample = BY_NAME[name]
+    if isinstance(sample.ramp, str):
+        assert sample.ramp in load_color_maps()
+    else:
+        assert set(sample.ramp) == set(SHAPES[sample.shape].materials)
+        assert set(sample.ramp.values()) <= set(load_color_maps())
+
+
+def test_the_two_tone_duck_has_two_colors_but_for_the_pixels_between_them() -> None:
+    picture = pixels("duck")
+    inside = binary_erosion(picture[..., 3] == 255, iterations=2)
+    colors, counts = np.unique(picture[inside][:, :3], axis=0, return_counts=True)
+    assert len(colors) > 2
+    assert np.sort(counts)[-2:].sum() > 0.95 * inside.sum()
+
+
+@pytest.mark.parametrize("ask", [sample_path, sample_light, sample_title])
+def test_an_unknown_sample_is_refused_with_the_names_of_all(ask: Callable[[str], object]) -> None:
+    with pytest.raises(ToonkitError, match=f"one of {', '.join(NAMES)}; got 'dragon'"):
+        ask("dragon")
+
+
+def test_samples_are_written_with_their_list(tmp_path: Path) -> None:
+    paths = list(write_samples(tmp_path / "new", [BY_NAME["donut"]], size=32))
+    records = json.loads((tmp_path / "new" / "samples.json").read_text())
+    assert [path.name for path in paths] == ["donut.png"]
+    assert [record["name"] for record in records] == ["donut"]
+    assert {path.name for path in (tmp_path / "new").iterdir()} == {"donut.png", "samples.json"}
+
+
+def test_a_sample_drawn_small_has_the_size_asked_for() -> None:
+    assert draw_sample(BY_NAME["donut"], size=40).shape == (40, 40, 4)

@@ -1,0 +1,48 @@
+"""A painted ball whose true normals are known, as an analysis."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from toonkit import ColorMap, NormalField, ToonAnalysis, ToonImage, illumination, light_direction
+from toonkit.numerics.report import SolverReport
+
+
+def painted_ball(size=120, seed=1):
+    """Four tones with brushwork on them, and an antialiased outline of a color of its own."""
+    y, x = (size - 1) / 2 - np.mgrid[:size, :size][0], np.mgrid[:size, :size][1] - (size - 1) / 2
+    radius = size * 0.45
+    distance = np.hypot(x, y)
+    z = np.sqrt(np.maximum(0, 1 - (distance / radius) ** 2))
+    alpha = np.clip(radius + 0.5 - distance, 0, 1)
+    mask = alpha >= 0.5
+    vectors = np.stack([x / radius, y / radius, z], axis=-1)
+    normals = NormalField(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True), mask)
+    light = light_direction(130, 45)
+    ramp = ColorMap([[0.2, 0.1, 0.3], [0.5, 0.2, 0.4], [0.8, 0.4, 0.4], [1.0, 0.8, 0.5]], (-0.6, 0.9))
+    brushwork = np.random.default_rng(seed).normal(0, 0.06, (size, size, 1))
+    painted = np.clip(ramp(illumination(normals, light)) + brushwork, 0, 1)
+    eight_bits = np.round(painted * 255) / 255
+    fringe = np.full_like(eight_bits, 0.4)
+    image = ToonImage(eight_bits, mask, alpha=alpha, fringe=fringe)
+    report = SolverReport(1, np.array([1.0, 0.5]), "exact", True)
+    return ToonAnalysis(
+        image=image,
+        method="toonkit",
+        light=light,
+        normals=normals,
+        initial_normals=normals,
+        color_map=ramp,
+        report=report,
+    )
+
+
+@pytest.fixture(scope="session")
+def ball():
+    return painted_ball()
+
+
+@pytest.fixture(scope="session")
+def base_url():
+    """No base address: the plugin's own fixture of this name is declared in a way that pytest deprecates."""

@@ -1,0 +1,123 @@
+"""What the relight page knows, without a page."""
+
+from __future__ import annotations
+
+import asyncio
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import toonkit
+from toonkit import ToonkitError
+from toonkit.viz import relight_state
+from toonkit.viz.relight_state import RelightState
+
+
+@pytest.fixture(autouse=True)
+def nothing_kept():
+    relight_state._kept.clear()
+
+
+@pytest.fixture
+def drawing(ball):
+    file = BytesIO()
+    Image.fromarray(ball.image.to_rgba()).save(file, "PNG")
+    return file.getvalue()
+
+
+def opened(drawing, method="lumo"):
+    state = RelightState(method=method)
+    asyncio.run(state.open_file(drawing))
+    return state
+
+
+def test_a_picture_of_ones_own_gets_an_estimated_light(drawing):
+    state = opened(drawing)
+    assert state.sample == ""
+    assert state.analysis.method == "lumo"
+    np.testing.assert_allclose(
+        toonkit.light_direction(*state.original_light), state.analysis.light, atol=1e-4
+    )
+    assert state.step == ""
+
+
+def test_a_picture_that_cannot_be_read_leaves_the_other_one_on_screen(drawing):
+    state = opened(drawing)
+    before = state.analysis
+    with pytest.raises(ToonkitError):
+        asyncio.run(state.open_file(b"no picture"))
+    assert state.analysis is before
+    assert state.step == ""
+
+
+def test_another_method_keeps_the_new_light(drawing):
+    state = opened(drawing)
+    state.param.update(new_light=[12.0, 34.0], method="lambert")
+    asyncio.run(state.analyze())
+    assert state.analysis.method == "lambert"
+    assert state.new_light == [12.0, 34.0]
+
+
+def test_a_failed_analysis_takes_the_wish_back(drawing, monkeypatch):
+    state = opened(drawing)
+
+    def fail(*_, **__):
+        raise ToonkitError("no shape")
+
+    monkeypatch.setattr(toonkit, "analyze", fail)
+    state.method = "todo"
+    with pytest.raises(ToonkitError, match="no shape"):
+        asyncio.run(state.analyze())
+    assert state.method == "lumo"
+
+
+def test_a_cancelled_analysis_takes_the_wish_back(drawing, monkeypatch):
+    state = opened(drawing)
+
+    def endless(*_, progress, **__):
+        while True:
+            progress("working", 0.5)
+
+    async def analyze_and_cancel():
+        task = asyncio.create_task(state.analyze())
+        await asyncio.sleep(0.2)
+        state.cancel()
+        await task
+
+    monkeypatch.setattr(toonkit, "analyze", endless)
+    state.method = "todo"
+    asyncio.run(analyze_and_cancel())
+    assert state.method == "lumo"
+    assert state.step == ""
+
+
+def test_a_newer_wish_ends_an_older_computation(drawing, monkeypatch):
+    state = opened(drawing)
+    real = toonkit.analyze
+
+    def slow_for_todo(image, light=None, *, method, progress):
+        while method == "todo":
+            progress("working", 0.5)
+        return real(image, light, method=method, progress=progress)
+
+    async def two_wishes():
+        state.method = "todo"
+        older = asyncio.create_task(state.analyze())
+        await asyncio.sleep(0.2)
+        state.method = "lambert"
+        await asyncio.gather(older, state.analyze())
+
+    monkeypatch.setattr(toonkit, "analyze", slow_for_todo)
+    asyncio.run(two_wishes())
+    assert state.analysis.method == state.method == "lambert"
+
+
+def test_the_files_hold_the_relit_picture_and_an_opengl_normal_map(drawing):
+    state = opened(drawing)
+    with Image.open(state.relit_png()) as relit, Image.open(state.normal_map_png()) as normal_map:
+        np.testing.assert_array_equal(np.asarray(relit), state.relit().to_rgba())
+        assert normal_map.mode == "RGBA"
+        middle = normal_map.getpixel((normal_map.width // 2, normal_map.height // 2))
+    assert middle[2] > 200  # the middle of a ball faces the viewer

@@ -1,0 +1,100 @@
+"""The shader against `toonkit.relight`, pixel by pixel."""
+
+from __future__ import annotations
+
+import socket
+
+import numpy as np
+import panel as pn
+import pytest
+
+from toonkit import light_direction, relight
+from toonkit.viz.relight_view import RelightView
+
+REMEMBER_PIXELS = """
+const draw = WebGL2RenderingContext.prototype.drawArrays;
+WebGL2RenderingContext.prototype.drawArrays = function (...call) {
+  draw.apply(this, call);
+  if (!this.canvas.classList.contains("picture")) return;
+  const [width, height] = [this.canvas.width, this.canvas.height];
+  const pixels = new Uint8Array(4 * width * height);
+  this.readPixels(0, 0, width, height, this.RGBA, this.UNSIGNED_BYTE, pixels);  // in the task that drew them
+  window.drawn = {width, height, pixels: Array.from(pixels), count: (window.drawn?.count ?? 0) + 1};
+}
+"""
+SET = """([light, detail]) => {
+  for (const model of Bokeh.documents[0]._all_models.values()) {
+    if (model.data?.attributes && "keep_detail" in model.data.attributes) {
+      window.drawn.count = 0
+      model.data.setv({new_light: light, keep_detail: detail})
+    }
+  }
+}"""
+
+
+@pytest.fixture(scope="module")
+def served_ball(ball):
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+
+    def app():
+        view = RelightView(new_light=[20.0, 30.0])
+        view.show(ball)
+        return view
+
+    server = pn.serve(
+        app, port=port, address="127.0.0.1", websocket_origin=[f"127.0.0.1:{port}"], show=False, threaded=True
+    )
+    yield f"http://127.0.0.1:{port}"
+    server.stop()
+
+
+@pytest.fixture
+def shader(page, served_ball):
+    complaints = []
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
+    page.add_init_script(REMEMBER_PIXELS)
+    page.goto(served_ball)
+    page.wait_for_function("window.drawn", timeout=60_000)
+    yield page
+    assert complaints == []
+
+
+def pixels_of(page):
+    drawn = page.evaluate("window.drawn")
+    pixels = np.array(drawn["pixels"], dtype=int).reshape(drawn["height"], drawn["width"], 4)
+    return pixels[::-1]  # WebGL's row 0 is the bottom
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("keep_detail", [True, False])
+@pytest.mark.parametrize("angles", [(130.0, 45.0), (124.0, 47.0), (20.0, 30.0), (-60.0, 5.0), (0.0, 90.0)])
+def test_the_shader_paints_what_relight_paints(shader, ball, angles, keep_detail):
+    shader.evaluate(SET, [list(angles), keep_detail])
+    shader.wait_for_function("window.drawn.count > 0")
+    shader.wait_for_timeout(200)
+    wanted = relight(ball, light_direction(*angles), keep_detail=keep_detail).to_rgba().astype(int)
+    difference = np.abs(pixels_of(shader) - wanted).max(axis=-1)
+    # Half floats: one pixel in a thousand may round to a neighboring 8-bit value but one.
+    assert (difference > 1).mean() <= 0.001
+    assert (wanted[..., 3] > 0).any()
+
+
+@pytest.mark.browser
+def test_under_its_own_light_the_drawing_is_unchanged(shader, ball):
+    shader.evaluate(SET, [[130.0, 45.0], True])
+    shader.wait_for_function("window.drawn.count > 0")
+    shader.wait_for_timeout(200)
+    assert np.abs(pixels_of(shader) - ball.image.to_rgba()).max() <= 1  # float32 against float64 rounding
+
+
+def test_without_webgl_the_picture_is_painted_in_python(ball):
+    view = RelightView(webgl=False)
+    view.show(ball)
+    first = view.fallback_picture
+    assert first.startswith(b"\x89PNG")
+    view.new_light = [-30.0, 20.0]
+    assert view.fallback_picture != first
+    assert view.fallback_ball != view.fallback_original_ball
