@@ -3,6 +3,7 @@ import pytest
 
 from tests.analytic import LIGHT, TWO_TONE, ellipse, painted
 from toonkit import ToonImage, ToonkitError, analyze, color_rmse, light_direction, relight, shade
+from toonkit.relighting import detail_weight
 
 
 @pytest.fixture(scope="module")
@@ -62,3 +63,11 @@ def test_the_fringe_moves_with_the_nearest_object_pixel():
 def test_a_new_light_that_is_none_is_refused_by_its_name(analysis, light, words):
     with pytest.raises(ToonkitError, match=f"new_light.*{words}"):
         relight(analysis, light)
+
+
+def test_texture_outlasts_a_misplaced_band_edge():
+    change = np.array([0.0, 0.05])
+    texture, edge = np.full((2, 3), 0.02), np.full((2, 3), 0.4)
+    assert (detail_weight(change, texture)[0], detail_weight(change, edge)[0]) == (1.0, 1.0)
+    assert detail_weight(change, texture)[1] > 0.85
+    assert detail_weight(change, edge)[1] < 1e-6

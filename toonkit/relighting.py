@@ -12,6 +12,9 @@ from toonkit.model.image import ToonImage, nearest_object_pixel
 DETAIL_RANGE = 0.15
 """Change of illumination over which the painted detail hands over to the model: about half a tone of a four-tone ramp."""
 
+DETAIL_SIZE = 0.1
+"""Color difference, in sRGB, up to which what the model leaves unexplained is texture; beyond, it is a misplaced band edge."""
+
 
 def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool = True) -> ToonImage:
     """
@@ -39,8 +42,13 @@ def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool =
 
     Notes
     -----
-    With I = L · N and I' = L' · N the picture is c' = M(I') + w (c - M(I)), where w = exp(-((I' - I) / 0.15)²).
-    Pixels that the object touches without filling them move as the nearest object pixel does.
+    With I = L · N and I' = L' · N the picture is c' = M(I') + w d, where d = c - M(I) is the detail and
+
+        w = exp(-((I' - I) / r)²),    r = 0.15 / (1 + |d|² / 0.1²).
+
+    Texture, whose d is small, stays until the light has turned by half a tone. A large d is no texture but a band edge that
+    the model put a pixel beside the painted one: it goes at the first turn of the light, or it would stay behind as a
+    scratch where the edge was. Pixels that the object touches without filling them move as the nearest object pixel does.
     """
     light = as_light("new_light", new_light)
     before = analysis.illumination
@@ -49,14 +57,16 @@ def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool =
     image = analysis.image
     if not keep_detail:
         return ToonImage(model, image.mask, alpha=image.alpha)
-    unexplained = image.color - analysis.color_map(before)
-    color = np.clip(model + detail_weight(after - before)[..., None] * unexplained, 0.0, 1.0)
+    detail = image.color - analysis.color_map(before)
+    color = np.clip(model + detail_weight(after - before, detail)[..., None] * detail, 0.0, 1.0)
     return ToonImage(color, image.mask, alpha=image.alpha, fringe=_moved_fringe(image, color))
 
 
-def detail_weight(change: FloatArray) -> FloatArray:
-    """How much of the painted detail stays, 0 to 1, where the illumination changes by `change`."""
-    return np.exp(-((change / DETAIL_RANGE) ** 2))
+def detail_weight(change: FloatArray, detail: FloatArray) -> FloatArray:
+    """Return how much of a detail (..., 3) stays, 0 to 1, where the illumination changes by `change` (...)."""
+    size = np.sum(detail**2, axis=-1) / DETAIL_SIZE**2
+    weight: FloatArray = np.exp(-((change * (1.0 + size) / DETAIL_RANGE) ** 2))
+    return weight
 
 
 def _moved_fringe(image: ToonImage, color: FloatArray) -> FloatArray:

@@ -97,4 +97,17 @@ def test_without_webgl_the_picture_is_painted_in_python(ball):
     assert first.startswith(b"\x89PNG")
     view.new_light = [-30.0, 20.0]
     assert view.fallback_picture != first
-    assert view.fallback_ball != view.fallback_original_ball
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("elevation", [90.0, 40.0, 0.0])
+def test_the_light_ball_shows_the_color_map_of_its_illumination(shader, ball, elevation):
+    shader.evaluate(SET, [[0.0, elevation], True])
+    shader.wait_for_timeout(300)
+    middle = shader.locator(".relit canvas.ball").evaluate(
+        "canvas => Array.from(canvas.getContext('2d').getImageData(canvas.width / 2, canvas.height / 2, 1, 1).data)"
+    )
+    illumination = np.sin(np.deg2rad(elevation))  # the middle of the ball faces the viewer: L · N = L_z
+    # Half a pixel off the middle moves L · N by 0.01, a hundredth of this ramp's range.
+    np.testing.assert_allclose(middle[:3], 255 * ball.color_map(illumination), atol=4)
+    assert middle[3] == 255

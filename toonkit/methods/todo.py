@@ -39,7 +39,8 @@ def todo(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = 
 
     References
     ----------
-    H. Todo, Y. Yamaguchi, "Reflectance and Shape Estimation for Cartoon Shaded Objects", Pacific Graphics 2017.
+    H. Todo, Y. Yamaguchi, "Reflectance and Shape Estimation for Cartoon Shaded Objects", Pacific Graphics
+    Short Papers, 2016.
     """
     steps = first_steps(image, light, progress)
     color_map = fit_color_map(image, steps.initial_illumination)

@@ -1,6 +1,7 @@
 // The relight view: a drawing beside its relit picture, each with a light that is set by dragging.
 //
-// c' = M(L'·N) + w (c - M(L·N)),  w = exp(-((L'·N - L·N) / range)²)   (toonkit/relighting.py; w = 0 without detail)
+// c' = M(L'·N) + w d,  d = c - M(L·N),  w = exp(-((L'·N - L·N) (1 + |d|² / size²) / range)²);  w = 0 without detail
+// (toonkit/relighting.py)
 //
 // x points right, y up, z toward the viewer; row 0 of every array is the top. Import-free, so that the
 // same module serves Panel and a notebook without a network.
@@ -16,7 +17,7 @@ precision highp sampler2D;
 uniform sampler2D u_color, u_normals, u_map;
 uniform vec3 u_original, u_light;
 uniform vec2 u_domain;
-uniform float u_detail, u_range;
+uniform float u_detail, u_range, u_size;
 out vec4 painted;
 
 vec3 M(float illumination) {
@@ -47,9 +48,10 @@ void main() {
   vec3 relit = M(after);
   if (u_detail > 0.0) {
     float before = dot(u_original, N);
-    float change = (after - before) / u_range;
+    vec3 detail = color.rgb - M(before);
+    float change = (after - before) * (1.0 + dot(detail, detail) / (u_size * u_size)) / u_range;
     float gone = change * change;
-    if (gone < 14.0) { relit += exp(-gone) * (color.rgb - M(before)); }  // exp(-14) is far below 1/255
+    if (gone < 14.0) { relit += exp(-gone) * detail; }  // exp(-14) is far below 1/255
   }
   relit = clamp(relit, 0.0, 1.0);
   if (fringe && u_detail > 0.0) { relit = clamp(own.rgb + relit - color.rgb, 0.0, 1.0); }
@@ -124,24 +126,25 @@ function painter(canvas) {
     gl.texImage2D(gl.TEXTURE_2D, 0, internal, width, height, 0, format, type, data)
   }
 
-  // contents: width, height, color (RGBA8), normals (two floats or half floats a pixel), map (RGBA float), domain
+  // contents: width, height, color (RGBA8), normals (RG half float), map (RGBA float), domain
   function load(next) {
     contents = next
     const {width, height, color, normals, map, domain} = contents
     if (canvas.width !== width || canvas.height !== height) { [canvas.width, canvas.height] = [width, height] }
     gl.viewport(0, 0, width, height)
     upload(0, gl.RGBA8, width, height, gl.RGBA, gl.UNSIGNED_BYTE, color)
-    upload(1, gl.RG16F, width, height, gl.RG, normals instanceof Float32Array ? gl.FLOAT : gl.HALF_FLOAT, normals)
+    upload(1, gl.RG16F, width, height, gl.RG, gl.HALF_FLOAT, normals)
     upload(2, gl.RGBA32F, map.length / 4, 1, gl.RGBA, gl.FLOAT, map)
     gl.uniform2f(at("u_domain"), domain[0], domain[1])
   }
 
-  function draw({original, light, detail, range}) {
+  function draw({original, light, detail, range, size}) {
     if (!contents || gl.isContextLost()) { return }
     gl.uniform3fv(at("u_original"), original)
     gl.uniform3fv(at("u_light"), light)
     gl.uniform1f(at("u_detail"), detail ? 1 : 0)
     gl.uniform1f(at("u_range"), range)
+    gl.uniform1f(at("u_size"), size)
     gl.drawArrays(gl.TRIANGLES, 0, 3)
   }
 
@@ -156,23 +159,45 @@ function painter(canvas) {
   }
 }
 
-// The light ball is a picture like any other: a hemisphere's normals, shaded by the same program.
-function ballContents(map, domain) {
-  const size = BALL_PIXELS
-  const color = new Uint8Array(size * size * 4)
-  const normals = new Float32Array(size * size * 2)
-  const radius = size / 2 - 1
-  for (let row = 0; row < size; row++) {
-    for (let column = 0; column < size; column++) {
-      const [x, y] = [(column + 0.5 - size / 2) / radius, (size / 2 - row - 0.5) / radius]
-      const [r, pixel] = [Math.hypot(x, y), row * size + column]
-      const nz = Math.sqrt(Math.max(0, 1 - r * r))
-      const scale = 1 / (Math.max(r, 1) * Math.sqrt(2 * (1 + nz)))
-      normals.set([x * scale, y * scale], 2 * pixel)
-      color[4 * pixel + 3] = 255 * clamp((1 - r) * radius + 0.5, 0, 1)
-    }
+// The light ball: M(L · N) on a hemisphere. Few pixels, so without a second graphics context, which costs more.
+function ballPainter(canvas) {
+  const [size, radius, steps] = [BALL_PIXELS, BALL_PIXELS / 2 - 1, 1024]
+  canvas.width = canvas.height = size
+  const context = canvas.getContext("2d")
+  const image = new ImageData(size, size)
+  const vectors = new Float32Array(size * size * 3)
+  const table = new Uint8ClampedArray(steps * 3)  // M over illumination -1 to 1
+  let loaded = false
+  for (let pixel = 0; pixel < size * size; pixel++) {
+    const x = (pixel % size + 0.5 - size / 2) / radius
+    const y = (size / 2 - Math.floor(pixel / size) - 0.5) / radius
+    const r = Math.hypot(x, y)
+    vectors.set([x / Math.max(r, 1), y / Math.max(r, 1), Math.sqrt(Math.max(0, 1 - r * r))], 3 * pixel)
+    image.data[4 * pixel + 3] = 255 * clamp((1 - r) * radius + 0.5, 0, 1)
   }
-  return {width: size, height: size, color, normals, map, domain}
+  return {
+    load(map, [low, high]) {
+      const last = map.length / 4 - 1
+      for (let step = 0; step < steps; step++) {
+        const t = clamp(((2 * step / (steps - 1) - 1) - low) / (high - low), 0, 1) * last
+        const start = Math.max(Math.min(Math.floor(t), last - 1), 0)
+        const [a, b] = [4 * start, 4 * Math.min(start + 1, last)]
+        for (let k = 0; k < 3; k++) { table[3 * step + k] = 255 * (map[a + k] + (t - start) * (map[b + k] - map[a + k])) }
+      }
+      loaded = true
+    },
+    draw([lx, ly, lz]) {
+      if (!loaded) { return }
+      const half = (steps - 1) / 2
+      for (let pixel = 0, v = 0, c = 0; pixel < size * size; pixel++, v += 3, c += 4) {
+        const t = 3 * Math.round((lx * vectors[v] + ly * vectors[v + 1] + lz * vectors[v + 2] + 1) * half)
+        image.data[c] = table[t]
+        image.data[c + 1] = table[t + 1]
+        image.data[c + 2] = table[t + 2]
+      }
+      context.putImageData(image, 0, 0)
+    },
+  }
 }
 
 function element(parent, tag, className, html = "") {
@@ -194,7 +219,6 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
   const controls = element(card, "div", "controls")
   const ballBox = element(controls, "div", "ball-box")
   const ball = element(ballBox, "canvas", "ball")
-  const ballImage = element(ballBox, "img", "ball stand-in")
   const dot = element(ballBox, "div", "dot")
   const right = element(controls, "div", "right")
   const sliders = [["Azimuth", -180, 180], ["Elevation", 0, 90]].map(([label, min, max]) => {
@@ -203,7 +227,8 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
     return {input: row.querySelector("input"), output: row.querySelector("output")}
   })
   const buttons = element(right, "div", "buttons")
-  for (const image of [pictureImage, ballImage]) { image.alt = ""; image.draggable = false }
+  pictureImage.alt = ""
+  pictureImage.draggable = false
   ball.setAttribute("aria-label", `${title}: drag to move the light`)
 
   let half = 0
@@ -215,8 +240,10 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
     sun.style.transform = `translate(${x * (half - 16)}px, ${-y * (half - 16)}px)`
     dot.style.transform = `translate(${x * 46}%, ${-y * 46}%)`
     sliders.forEach(({input, output}, index) => {
+      const text = `${Math.round(angles[index])}°`
+      if (output.textContent === text) { return }
       input.value = Math.round(angles[index])
-      output.textContent = `${Math.round(angles[index])}°`
+      output.textContent = text
     })
   }
 
@@ -261,7 +288,7 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
     node.addEventListener("click", onClick)
     return node
   }
-  return {card, stage, picture, pictureImage, ball, ballImage, measure, show, button}
+  return {card, stage, picture, pictureImage, ball, measure, show, button}
 }
 
 function showImage(image, data) {
@@ -337,28 +364,31 @@ function render({model}) {
   }
 
   // ---- pictures
-  const painters = [relit.picture, relit.ball, drawing.ball].map(painter)
-  const drawn = painters.every((one) => one !== null)
+  const shader = painter(relit.picture)
+  const [lightBall, originalBall] = [ballPainter(relit.ball), ballPainter(drawing.ball)]
+  const drawn = shader !== null
   root.classList.toggle("no-webgl", !drawn)
   if (model.webgl !== drawn) { model.webgl = drawn }
 
   function draw() {
     scheduled = false
     relit.show(light)
-    if (originalMoved) { drawing.show(original) }
-    if (!drawn) { return }
-    const [from, to] = [direction(original), direction(light)]
+    lightBall.draw(direction(light))
+    if (originalMoved) {  // it stands still while the new light is dragged: not worth a redraw then
+      drawing.show(original)
+      originalBall.draw(direction(original))
+      originalMoved = false
+    }
     // The picture's details belong to the light it was analyzed under, not to one being dragged or on its way.
-    painters[0].draw({original: direction(model.analyzed_light), light: to, detail: model.keep_detail, range: model.detail_range})
-    painters[1].draw({original: from, light: to, detail: false, range: 1})
-    if (originalMoved) { painters[2].draw({original: from, light: from, detail: false, range: 1}) }
-    originalMoved = false
+    shader?.draw({
+      original: direction(model.analyzed_light), light: direction(light),
+      detail: model.keep_detail, range: model.detail_range, size: model.detail_size,
+    })
   }
   function schedule() {
     if (!scheduled) { scheduled = true; requestAnimationFrame(draw) }
   }
 
-  // The original light's ball stands still while the new light is dragged: not worth a redraw then.
   function scheduleAll() {
     originalMoved = true
     schedule()
@@ -376,15 +406,11 @@ function render({model}) {
     ;[source.width, source.height] = [width, height]
     source.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(color), width, height), 0, 0)
     for (const card of [drawing, relit]) { card.picture.classList.toggle("pixels", Math.max(width, height) <= 160) }
-    if (drawn) {
-      const ramp = new Float32Array(map.slice().buffer)
-      painters[0].load({
-        width, height, color, normals: new Uint16Array(normals.slice().buffer), map: ramp, domain: model.domain,
-      })
-      const ball = ballContents(ramp, model.domain)
-      painters[1].load(ball)
-      painters[2].load(ball)
-    }
+    const ramp = new Float32Array(map.slice().buffer)
+    for (const ball of [lightBall, originalBall]) { ball.load(ramp, model.domain) }
+    shader?.load({
+      width, height, color, normals: new Uint16Array(normals.slice().buffer), map: ramp, domain: model.domain,
+    })
     originalMoved = true
     draw()
   }
@@ -396,27 +422,22 @@ function render({model}) {
   // A light set in Python, for instance after "estimate"
   model.on("change:original_light", () => { original = [...model.original_light]; scheduleAll() })
   model.on("change:new_light", () => { if (timer === null && !orbiting) { light = [...model.new_light]; schedule() } })
-  for (const name of ["keep_detail", "detail_range"]) { model.on(`change:${name}`, schedule) }
+  for (const name of ["keep_detail", "detail_range", "detail_size"]) { model.on(`change:${name}`, schedule) }
   for (const name of ["step", "fraction"]) { model.on(`change:${name}`, showProgress) }
   for (const name of ["color", "normals", "color_map", "domain", "picture_size", "analyzed_light"]) {
     model.on(`change:${name}`, scheduleReload)
   }
-  const standIns = {
-    fallback_picture: relit.pictureImage, fallback_ball: relit.ballImage, fallback_original_ball: drawing.ballImage,
-  }
-  for (const [name, image] of Object.entries(standIns)) {
-    const update = () => showImage(image, bytes(model[name]))
-    model.on(`change:${name}`, update)
-    if (!drawn) { update() }
-  }
+  const showFallback = () => showImage(relit.pictureImage, bytes(model.fallback_picture))
+  model.on("change:fallback_picture", showFallback)
+  if (!drawn) { showFallback() }
   const resized = new ResizeObserver(() => { for (const card of [drawing, relit]) { card.measure() } scheduleAll() })
   resized.observe(root)
-  painters.forEach((one) => one?.onRestored(scheduleAll))
+  shader?.onRestored(schedule)
   model.on("remove", () => {
     orbiting = false
     clearTimeout(timer)
     resized.disconnect()
-    painters.forEach((one) => one?.release())
+    shader?.release()
   })
   showProgress()
   reload()
@@ -424,6 +445,11 @@ function render({model}) {
   return root
 }
 
+// A tile, not a gradient: a page without a graphics card would compute the gradient again for every picture.
+const CHECKERS = "data:image/svg+xml," + encodeURIComponent(`<svg xmlns="http://www.w3.org/2000/svg" width="20" height="20">
+<path fill="#7f8084" d="M0 0h20v20H0z"/><path fill="#747579" d="M0 0h10v10H0zM10 10h10v10H10z"/></svg>`)
+
+// What moves has a layer of its own (will-change), and nothing that is drawn anew each time is clipped to a shape.
 const STYLE = `
 .relight {
   --ink: var(--panel-on-surface-color, #1c1c1e); --paper: var(--panel-surface-color, #fff);
@@ -433,30 +459,30 @@ const STYLE = `
   color: var(--ink); font-size: 13px; line-height: 1.35;
 }
 .relight * { box-sizing: border-box; }
-.card { background: var(--paper); border: 1px solid var(--line); border-radius: 12px; overflow: hidden; display: flex;
+.card { background: var(--paper); border: 1px solid var(--line); border-radius: 12px; display: flex;
   flex-direction: column; min-width: 0; }
 .card header { display: flex; align-items: baseline; gap: 10px; padding: 10px 16px; flex-wrap: wrap; }
 .card h2 { margin: 0; font-size: 15px; font-weight: 600; letter-spacing: .01em; }
 .card header p { margin: 0; color: var(--soft); font-size: 12px; }
 .stage { position: relative; height: clamp(240px, calc(100vh - 432px), 720px); touch-action: none; cursor: grab;
-  overflow: hidden; background: repeating-conic-gradient(#747579 0% 25%, #7f8084 0% 50%) 0 0 / 20px 20px; }
+  overflow: hidden; background: url("${CHECKERS}") 0 0 / 20px 20px; }
 .dragging .stage, .dragging .ball-box { cursor: grabbing; }
 .picture { position: absolute; inset: 12px; width: calc(100% - 24px); height: calc(100% - 24px); object-fit: contain;
   user-select: none; -webkit-user-drag: none; }
 .picture.pixels { image-rendering: pixelated; }
 .empty .picture, .empty .sun, .empty .dot, .stand-in { visibility: hidden; }
 .no-webgl .stand-in { visibility: visible; }
-.no-webgl .relit canvas.picture, .no-webgl canvas.ball { visibility: hidden; }
+.no-webgl .relit canvas.picture { visibility: hidden; }
 .sun { position: absolute; left: calc(50% - 14px); top: calc(50% - 14px); width: 28px; height: 28px; border-radius: 50%;
-  pointer-events: none; background: rgba(255, 255, 255, .92); box-shadow: 0 1px 5px rgba(0, 0, 0, .45); opacity: .78;
+  pointer-events: none; background: rgba(255, 255, 255, .92); box-shadow: 0 1px 5px rgba(0, 0, 0, .45); opacity: .78; will-change: transform;
   transition: opacity .15s; }
 .stage:hover .sun, .dragging .sun { opacity: 1; }
 .sun svg { width: 28px; height: 28px; padding: 5px; fill: #f2a11b; stroke: #d98407; stroke-width: 2; stroke-linecap: round; }
 .controls { display: flex; gap: 18px; align-items: center; padding: 14px 16px; border-top: 1px solid var(--line); }
-.ball-box { position: relative; flex: none; width: 112px; height: 112px; cursor: grab; touch-action: none; border-radius: 50%; }
-.ball { position: absolute; inset: 0; width: 100%; height: 100%; border-radius: 50%;
-  box-shadow: 0 0 0 1px var(--line), 0 4px 14px rgba(0, 0, 0, .22); user-select: none; }
-.dot { position: absolute; inset: 0; pointer-events: none; }
+.ball-box { position: relative; flex: none; width: 112px; height: 112px; cursor: grab; touch-action: none; border-radius: 50%;
+  box-shadow: 0 0 0 1px var(--line), 0 4px 14px rgba(0, 0, 0, .22); }
+.ball { position: absolute; inset: 0; width: 100%; height: 100%; user-select: none; }
+.dot { position: absolute; inset: 0; pointer-events: none; will-change: transform; }
 .dot::after { content: ""; position: absolute; left: calc(50% - 6px); top: calc(50% - 6px); width: 12px; height: 12px;
   border-radius: 50%; border: 2px solid #fff; background: #f2a11b; box-shadow: 0 0 3px rgba(0, 0, 0, .7); }
 .right { flex: 1; min-width: 0; display: flex; flex-direction: column; gap: 8px; }

@@ -7,7 +7,6 @@ A drag never waits for Python: the fragment shader in `relight_view.js` evaluate
 from __future__ import annotations
 
 from dataclasses import asdict
-from functools import cache
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -20,13 +19,8 @@ from PIL import Image
 
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.light import light_direction
-from toonkit.model.normals import NormalField
-from toonkit.model.shading import shade
-from toonkit.relighting import DETAIL_RANGE, relight
+from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, relight
 from toonkit.viz.textures import encode_textures
-
-BALL_SIZE = 112
-"""Width in pixels of the light ball where Python has to paint it."""
 
 
 class RelightView(pn.custom.JSComponent):
@@ -61,11 +55,10 @@ class RelightView(pn.custom.JSComponent):
         [135.0, 45.0], bounds=(2, 2), doc="The light of the analysis on screen, degrees."
     )
     detail_range = param.Number(DETAIL_RANGE, doc="Change of illumination over which details fade.")
+    detail_size = param.Number(DETAIL_SIZE, doc="Color difference up to which a detail is texture.")
 
     webgl = param.Boolean(True, doc="Whether the browser has WebGL2; told by the browser.")
     fallback_picture = param.Bytes(b"", doc="PNG of the relit picture, only without WebGL2.")
-    fallback_ball = param.Bytes(b"", doc="PNG of the new light's ball, only without WebGL2.")
-    fallback_original_ball = param.Bytes(b"", doc="PNG of the original light's ball, only without WebGL2.")
 
     _esm = Path(__file__).with_name("relight_view.js")
 
@@ -92,24 +85,7 @@ class RelightView(pn.custom.JSComponent):
         if self.webgl or analysis is None:
             return
         light = light_direction(*self.new_light)
-        sphere, color_map = _hemisphere(BALL_SIZE), analysis.color_map
-        self.param.update(
-            fallback_picture=_png(relight(analysis, light, keep_detail=self.keep_detail).to_rgba()),
-            fallback_ball=_png(shade(sphere, light, color_map).to_rgba()),
-            fallback_original_ball=_png(shade(sphere, analysis.light, color_map).to_rgba()),
-        )
-
-
-@cache
-def _hemisphere(size: int) -> NormalField:
-    """Return the normals of a sphere that fills a square of `size` pixels."""
-    x = (np.arange(size) + 0.5 - size / 2) / (size / 2 - 1)
-    squared = x[None, :] ** 2 + x[:, None] ** 2
-    z = np.sqrt(np.maximum(0.0, 1 - squared))
-    vectors = np.stack([*np.broadcast_arrays(x[None, :], -x[:, None]), z], axis=-1)
-    mask = squared < 1
-    vectors[~mask] = (0.0, 0.0, 1.0)
-    return NormalField(vectors, mask)
+        self.fallback_picture = _png(relight(analysis, light, keep_detail=self.keep_detail).to_rgba())
 
 
 def _png(rgba: NDArray[np.uint8]) -> bytes:
