@@ -117,6 +117,9 @@ def main() -> None:
     )
     parser.add_argument("-o", "--output", type=Path, help="write the figures here, as JSON")
     parser.add_argument("--seconds", type=float, default=5, help="how long to drag (default 5)")
+    parser.add_argument(
+        "--screenshot", type=Path, help="write a picture of the page with its sample here, as PNG"
+    )
     options = parser.parse_args()
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
@@ -132,7 +135,9 @@ def main() -> None:
             first = seconds_to_first_picture(page, url)
             page.wait_for_timeout(4000)
             again = seconds_to_first_picture(page, url)
-            page.wait_for_timeout(2000)
+            page.wait_for_timeout(6000)  # the plots below the pictures are drawn too
+            if options.screenshot:
+                page.screenshot(path=options.screenshot)
             drop(page)
             times = drag(page, options.seconds)
             browser.close()

@@ -13,7 +13,7 @@ DETAIL_RANGE = 0.15
 """Change of illumination over which the painted detail hands over to the model: about half a tone of a four-tone ramp."""
 
 DETAIL_SIZE = 0.1
-"""Color difference, in sRGB, up to which what the model leaves unexplained is texture; beyond, it is a misplaced band edge."""
+"""Color difference, in sRGB, up to which what the model leaves unexplained is texture; a larger one is a misplaced edge."""
 
 
 def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool = True) -> ToonImage:

@@ -217,8 +217,8 @@ def _bars(analysis: ToonAnalysis) -> hv.Segments:
     tones = tone(color)
     order = np.argsort(tones, kind="stable")
     chosen = order[np.linspace(0, len(order) - 1, INTERVAL_BARS).astype(np.intp)]
-    _, first = np.unique(np.round(tones[chosen], 2), return_index=True)
-    chosen = chosen[first]
+    _, first, count = np.unique(np.round(tones[chosen], 2), return_index=True, return_counts=True)
+    chosen = chosen[first + count // 2]  # the middle pixel of each tone, not one at the edge of its band
     allowed = analysis.intervals()
     lower, upper = allowed.lower[mask][chosen], allowed.upper[mask][chosen]
     bars = hv.Segments(
@@ -226,7 +226,7 @@ def _bars(analysis: ToonAnalysis) -> hv.Segments:
         kdims=["illumination", "tone", "illumination_end", "tone_end"],
         vdims=["color"],
     )
-    return bars.opts(color="color", line_width=7, alpha=0.55, backend=BACKEND)
+    return bars.opts(color="color", line_width=16, alpha=0.65, backend=BACKEND)
 
 
 def _sample(count: int, wanted: int, seed: int) -> NDArray[np.intp]:
