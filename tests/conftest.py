@@ -8,6 +8,7 @@ from collections.abc import Generator
 from typing import Any
 
 import pytest
+from hypothesis import settings
 
 ON_CI = os.environ.get("CI", "").lower() not in ("", "0", "false")
 
@@ -60,3 +61,14 @@ def browser_type_launch_args(browser_type_launch_args: dict[str, Any]) -> dict[s
     found = [path for path in map(shutil.which, CHROMIUM_NAMES) if path]
     executable = {"executable_path": found[0]} if found else {}
     return {**browser_type_launch_args, **executable, "args": CHROMIUM_ARGUMENTS}
+
+
+@pytest.fixture(scope="session")
+def base_url() -> None:
+    """No base address: the plugin's own fixture of this name is declared in a way that pytest deprecates."""
+
+
+# The same examples in every run on CI: a failure there is the change's own, and can be repeated.
+settings.register_profile("ci", derandomize=True, deadline=None)
+if ON_CI:
+    settings.load_profile("ci")

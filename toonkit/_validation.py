@@ -17,6 +17,9 @@ BoolArray = NDArray[np.bool_]
 MIN_OBJECT_PIXELS = 9
 """Fewer pixels than a 3 x 3 block have no interior, hence no shape to recover."""
 
+BEHIND = 1e-9
+"""A light this far behind the image plane is a rounding error of one that lies in it."""
+
 
 class ToonkitError(ValueError):
     """Input that toonkit cannot work with: the message names the argument, the rule and the value."""
@@ -48,12 +51,41 @@ def as_array(argument: str, value: ArrayLike, shape: tuple[int | None, ...]) -> 
     if not fits:
         wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
         raise refuse(argument, f"must have shape {wanted}", array.shape)
-    return array.astype(np.float64)
+    # One memory order, so that sums are rounded alike whatever the order of the input.
+    return array.astype(np.float64, order="C")
+
+
+def as_coverage(argument: str, value: ArrayLike, shape: tuple[int, int]) -> FloatArray:
+    """Return a (H, W) coverage in [0, 1] of the picture's `shape`."""
+    coverage = as_array(argument, value, (None, None))
+    same_shape(argument, coverage.shape, shape, "the picture")
+    if not (np.isfinite(coverage).all() and coverage.min() >= 0 and coverage.max() <= 1):
+        raise refuse(argument, "must lie in [0, 1]", "values outside it or NaN")
+    return coverage
+
+
+def of_type(argument: str, value: object, wanted: type) -> None:
+    """Refuse a value that is not an instance of a class of ours."""
+    if not isinstance(value, wanted):
+        source = " (see toonkit.load_image)" if wanted.__name__ == "ToonImage" else ""
+        raise refuse(argument, f"must be a {wanted.__name__}{source}", type(value).__name__)
+
+
+def same_mask(argument: str, mask: BoolArray, wanted: BoolArray, of: str) -> None:
+    """Refuse an argument that covers other pixels than another one does."""
+    same_shape(argument, mask.shape, wanted.shape, of)
+    if (mask != wanted).any():
+        raise refuse(
+            argument, f"must cover the same mask as {of}", f"{int((mask != wanted).sum())} pixels that differ"
+        )
 
 
 def as_mask(argument: str, value: ArrayLike, shape: tuple[int, int] | None = None) -> BoolArray:
     """Return a (H, W) bool mask with at least `MIN_OBJECT_PIXELS` object pixels, of `shape` if one is given."""
-    array = np.asarray(value)
+    try:
+        array = np.asarray(value)
+    except ValueError as error:
+        raise refuse(argument, "must be a rectangular array", "rows of different lengths") from error
     if array.ndim != 2 or array.dtype.kind not in "biuf":
         raise refuse(
             argument, "must be a (H, W) array, True on the object", f"shape {array.shape}, {array.dtype}"
@@ -62,7 +94,10 @@ def as_mask(argument: str, value: ArrayLike, shape: tuple[int, int] | None = Non
         raise refuse(argument, "must be finite", f"{int((~np.isfinite(array)).sum())} NaN or infinite values")
     if shape is not None and array.shape != shape:
         raise refuse(argument, f"must have the picture's size {shape}", array.shape)
-    mask = array.astype(np.bool_)
+    if not np.isin(array, (0, 1, 255)).all():
+        rule = "must be True or False everywhere (a soft one goes to load_image, or beside the mask as alpha)"
+        raise refuse(argument, rule, f"values from {array.min():.4g} to {array.max():.4g}")
+    mask = array.astype(np.bool_, order="C")
     count = int(mask.sum())
     if count == 0:
         raise refuse(argument, "must contain the object", "an empty mask")
@@ -76,15 +111,18 @@ def as_light(argument: str, value: ArrayLike) -> FloatArray:
     light = as_array(argument, value, (3,))
     if not np.isfinite(light).all():
         raise refuse(argument, "must be finite", np.array2string(light))
-    length = float(np.linalg.norm(light))
-    if length == 0.0:
+    largest = float(np.abs(light).max())
+    if largest == 0.0:
         raise refuse(argument, "must point somewhere", "the zero vector (0, 0, 0)")
-    light = light / length
-    if light[2] < 0.0:
+    if not 1e-100 < largest < 1e100:
+        light = light / largest  # so that the squares of its components stay numbers
+    light = light / np.linalg.norm(light)
+    if light[2] < -BEHIND:
         shown = np.array2string(light, precision=3, suppress_small=True)
         raise refuse(
             argument, "must not come from behind the picture (z >= 0, elevation 0 to 90 degrees)", shown
         )
+    light[2] = max(light[2], 0.0)
     return light
 
 

@@ -9,16 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import label
 
-from toonkit._validation import BoolArray, FloatArray, same_shape
+from toonkit._validation import BoolArray, FloatArray, of_type, same_mask
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.numerics.masked_grid import DOWN, LEFT, OUTSIDE, RIGHT, UP, MaskedGrid
 from toonkit.numerics.membrane import Membrane, solve_membrane
+from toonkit.numerics.report import SolverReport
 
 if TYPE_CHECKING:
     import trimesh
 
-STEEPEST = 0.05
+STEEPEST = 0.15
 """Least nz of a slope: at the silhouette the true height drops without bound, a picture's does not."""
 
 BREAK_ANGLE = 50.0
@@ -39,10 +40,13 @@ class HeightField:
         In pixels, NaN outside the mask; each component's lowest point is at 0.
     mask : ndarray, shape (H, W)
         True on the object.
+    report : SolverReport
+        How the integration went.
     """
 
     height: FloatArray
     mask: BoolArray
+    report: SolverReport
 
 
 def height_map(normals: NormalField) -> HeightField:
@@ -59,12 +63,18 @@ def height_map(normals: NormalField) -> HeightField:
     HeightField
         Height in pixels.
 
+    Raises
+    ------
+    ToonkitError
+        If the normals are not a `NormalField`.
+
     Notes
     -----
     Weighted least squares of the height differences between neighbors against the slopes -nx / nz and -ny / nz at their
     common side. A link counts less where its slopes are steep and known badly (weight nz²), and where the normals at its two
     ends turn against each other: there one part of the drawing ends in front of another, and the height may jump.
     """
+    of_type("normals", normals, NormalField)
     grid = MaskedGrid(normals.mask)
     vectors = normals.vectors[grid.mask]
     forward = np.maximum(vectors[:, 2], STEEPEST)
@@ -82,8 +92,8 @@ def height_map(normals: NormalField) -> HeightField:
         flow[here, direction] = sign * (slopes[here, axis] + slopes[other, axis]) / 2
     membrane = Membrane(grid, links, np.full(grid.size, TIE))
     right_side = -np.sum(links * flow, axis=1, keepdims=True)
-    height, _ = solve_membrane(membrane, right_side, tolerance=1e-6)
-    return HeightField(grid.scatter(_from_zero(grid, height[:, 0])), normals.mask)
+    height, report = solve_membrane(membrane, right_side, tolerance=1e-6)
+    return HeightField(grid.scatter(_from_zero(grid, height[:, 0])), normals.mask, report)
 
 
 def height_mesh(field: HeightField, *, color: ToonImage | None = None) -> trimesh.Trimesh:
@@ -105,7 +115,7 @@ def height_mesh(field: HeightField, *, color: ToonImage | None = None) -> trimes
     Raises
     ------
     ToonkitError
-        If the picture has another size.
+        If the picture has another size or mask.
     """
     import trimesh  # noqa: PLC0415 - takes seconds to import, and only meshes need it
 
@@ -116,7 +126,7 @@ def height_mesh(field: HeightField, *, color: ToonImage | None = None) -> trimes
     )
     vertex_colors = None
     if color is not None:
-        same_shape("color", color.shape, field.mask.shape, "the height field")
+        same_mask("color", color.mask, field.mask, "the height field")
         vertex_colors = color.to_rgba()[grid.mask]
     return trimesh.Trimesh(vertices, _faces(grid), vertex_colors=vertex_colors, process=False)
 

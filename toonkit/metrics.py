@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from skimage.color import deltaE_ciede2000, rgb2lab
 
-from toonkit._validation import BoolArray, FloatArray, as_array, refuse, same_shape
+from toonkit._validation import BoolArray, FloatArray, as_array, as_mask, refuse, same_mask, same_shape
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.numerics.masked_grid import MaskedGrid
@@ -54,22 +55,22 @@ def angular_error(normals: NormalField, reference: NormalField) -> ErrorSummary:
     ToonkitError
         If the masks differ.
     """
-    _same_mask(normals.mask, reference.mask)
+    same_mask("reference", reference.mask, normals.mask, "the estimate")
     a, b = normals.vectors, reference.vectors
     # arctan2 of both products: exact near 0, where arccos is not.
     angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), np.sum(a * b, axis=-1))
     return _summary(np.rad2deg(angle), reference.mask)
 
 
-def illumination_error(illumination: FloatArray, reference: FloatArray, mask: BoolArray) -> ErrorSummary:
+def illumination_error(illumination: ArrayLike, reference: ArrayLike, mask: ArrayLike) -> ErrorSummary:
     """
     Absolute difference of two illuminations.
 
     Parameters
     ----------
-    illumination, reference : ndarray, shape (H, W)
+    illumination, reference : array_like, shape (H, W)
         L · N in [-1, 1] on the mask.
-    mask : ndarray, shape (H, W)
+    mask : array_like, shape (H, W)
         True on the object.
 
     Returns
@@ -80,15 +81,16 @@ def illumination_error(illumination: FloatArray, reference: FloatArray, mask: Bo
     Raises
     ------
     ToonkitError
-        If shapes differ or a value on the mask is NaN.
+        If shapes differ, the mask is empty, or a value on it is not finite.
     """
-    ours, theirs = (as_array("illumination", value, (None, None)) for value in (illumination, reference))
-    same_shape("illumination", ours.shape, mask.shape, "the mask")
-    same_shape("reference", theirs.shape, mask.shape, "the mask")
-    difference = np.where(mask, np.abs(ours - theirs), np.nan)
-    if np.isnan(difference[mask]).any():
-        raise refuse("illumination", "must be known on the object", "NaN")
-    return _summary(difference, mask)
+    on_object = as_mask("mask", mask)
+    both = {"illumination": illumination, "reference": reference}
+    ours, theirs = (as_array(name, value, (None, None)) for name, value in both.items())
+    for name, value in (("illumination", ours), ("reference", theirs)):
+        same_shape(name, value.shape, on_object.shape, "the mask")
+        if not np.isfinite(value[on_object]).all():
+            raise refuse(name, "must be known on the object", "NaN or infinite values")
+    return _summary(np.where(on_object, np.abs(ours - theirs), np.nan), on_object)
 
 
 def color_rmse(image: ToonImage, reference: ToonImage) -> float:
@@ -110,7 +112,7 @@ def color_rmse(image: ToonImage, reference: ToonImage) -> float:
     ToonkitError
         If the masks differ.
     """
-    _same_mask(image.mask, reference.mask)
+    same_mask("reference", reference.mask, image.mask, "the estimate")
     difference = image.color[image.mask] - reference.color[image.mask]
     return float(np.sqrt(np.mean(difference**2)))
 
@@ -134,7 +136,7 @@ def color_difference(image: ToonImage, reference: ToonImage) -> ErrorSummary:
     ToonkitError
         If the masks differ.
     """
-    _same_mask(image.mask, reference.mask)
+    same_mask("reference", reference.mask, image.mask, "the estimate")
     mask = image.mask
     ours, theirs = (rgb2lab(picture.color[mask][None])[0] for picture in (image, reference))
     difference = np.full(mask.shape, np.nan)
@@ -166,17 +168,9 @@ def relight_response(
     ToonkitError
         If the masks differ.
     """
-    _same_mask(before.mask, true_before.mask)
+    same_mask("true_before", true_before.mask, before.mask, "the estimate")
     truth = color_rmse(true_after, true_before)
     return color_rmse(after, before) / truth if truth > 0 else float("nan")
-
-
-def _same_mask(mask: BoolArray, reference: BoolArray) -> None:
-    same_shape("reference", reference.shape, mask.shape, "the estimate")
-    if (mask != reference).any():
-        raise refuse(
-            "reference", "must cover the same mask", f"{int((mask != reference).sum())} pixels that differ"
-        )
 
 
 def _summary(error: FloatArray, mask: BoolArray) -> ErrorSummary:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from toonkit._validation import FloatArray, as_light
+from toonkit._validation import FloatArray, as_light, of_type
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.image import ToonImage, nearest_object_pixel
 
@@ -38,7 +38,7 @@ def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool =
     Raises
     ------
     ToonkitError
-        If the new light is zero, not finite or from behind.
+        If the new light is zero, not finite or from behind, or the analysis is none.
 
     Notes
     -----
@@ -50,6 +50,7 @@ def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool =
     the model put a pixel beside the painted one: it goes at the first turn of the light, or it would stay behind as a
     scratch where the edge was. Pixels that the object touches without filling them move as the nearest object pixel does.
     """
+    of_type("analysis", analysis, ToonAnalysis)
     light = as_light("new_light", new_light)
     before = analysis.illumination
     after = np.clip(analysis.normals.vectors @ light, -1.0, 1.0)

@@ -25,11 +25,6 @@ def free_port() -> int:
 
 
 @pytest.fixture(scope="session")
-def base_url():
-    """No base address: the plugin's own fixture of this name is declared in a way that pytest deprecates."""
-
-
-@pytest.fixture(scope="session")
 def relight_url(tmp_path_factory):
     port = free_port()
     log = tmp_path_factory.mktemp("serve") / "log"

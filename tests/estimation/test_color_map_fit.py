@@ -141,3 +141,17 @@ def test_illumination_that_is_none_is_refused(light, words):
     disc = ellipse(20, 20)
     with pytest.raises(ToonkitError, match=words):
         fit_color_map(painted(disc.normals, SOFT), light)
+
+
+@pytest.mark.parametrize("layout", ["rows first", "columns first", "channels first"])
+def test_the_memory_order_of_a_picture_changes_nothing(layout):
+    disc = ellipse(20, 20)
+    color = np.random.default_rng(3).choice(FIVE_TONE.colors, size=disc.mask.shape)
+    stored = {
+        "rows first": np.ascontiguousarray(color),
+        "columns first": np.asfortranarray(color),
+        "channels first": np.moveaxis(np.ascontiguousarray(np.moveaxis(color, -1, 0)), 0, -1),
+    }[layout]
+    light = illumination(disc.normals, LIGHT)
+    expected = fit_color_map(ToonImage(color, disc.mask), light)
+    assert np.array_equal(fit_color_map(ToonImage(stored, disc.mask), light).colors, expected.colors)

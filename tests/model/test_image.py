@@ -63,7 +63,7 @@ def _with(array, index, value):
         ({"color": COLOR * 255}, r"sRGB in \[0, 1\]"),
         ({"alpha": _with(MASK, (0, 0), 1.5)}, r"alpha must lie in \[0, 1\]"),
         ({"alpha": _with(MASK, (0, 0), np.nan)}, r"alpha must lie in \[0, 1\]"),
-        ({"alpha": np.ones((3, 3))}, "alpha must have the size of color"),
+        ({"alpha": np.ones((3, 3))}, "alpha must have the size of the picture"),
         ({"alpha": np.ones(MASK.shape), "fringe": _with(COLOR, (0, 0), np.nan)}, "fringe must be painted"),
     ],
 )

@@ -98,3 +98,23 @@ def test_arguments_of_different_sizes_are_refused():
     same_shape("mask", (2, 3), (2, 3), "color")
     with pytest.raises(ToonkitError, match=r"mask must have the size of color \(2, 3\); got \(3, 2\)"):
         same_shape("mask", (3, 2), (2, 3), "color")
+
+
+@pytest.mark.parametrize("light", [[1e200, 0, 1e200], [1e-200, 0, 1e-200], [1, 0, 1]])
+def test_a_light_of_any_length_is_a_direction(light):
+    assert np.allclose(as_light("light", light), [np.sqrt(0.5), 0, np.sqrt(0.5)])
+
+
+def test_a_light_in_the_image_plane_may_be_rounded_to_just_behind_it():
+    assert as_light("light", [1, 0, np.sin(2 * np.pi)])[2] == 0.0
+
+
+@pytest.mark.parametrize("mask", [np.linspace(0, 1, 100).reshape(10, 10), -np.ones((10, 10))])
+def test_a_mask_says_yes_or_no(mask):
+    with pytest.raises(ToonkitError, match="mask must be True or False everywhere"):
+        as_mask("mask", mask)
+
+
+def test_a_ragged_mask_is_refused():
+    with pytest.raises(ToonkitError, match="rows of different lengths"):
+        as_mask("mask", [[1, 0], [1]])

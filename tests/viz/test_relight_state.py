@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from concurrent.futures import ThreadPoolExecutor
 from io import BytesIO
 
 import numpy as np
@@ -13,6 +14,12 @@ import toonkit
 from toonkit import ToonkitError
 from toonkit.viz import relight_state
 from toonkit.viz.relight_state import RelightState
+
+
+def run(work):
+    """Run a coroutine in a thread of its own: the browser tests may have left an event loop running in this one."""
+    with ThreadPoolExecutor(max_workers=1) as pool:
+        return pool.submit(asyncio.run, work).result()
 
 
 @pytest.fixture(autouse=True)
@@ -29,7 +36,7 @@ def drawing(ball):
 
 def opened(drawing, method="lumo"):
     state = RelightState(method=method)
-    asyncio.run(state.open_file(drawing))
+    run(state.open_file(drawing))
     return state
 
 
@@ -47,7 +54,7 @@ def test_a_picture_that_cannot_be_read_leaves_the_other_one_on_screen(drawing):
     state = opened(drawing)
     before = state.analysis
     with pytest.raises(ToonkitError):
-        asyncio.run(state.open_file(b"no picture"))
+        run(state.open_file(b"no picture"))
     assert state.analysis is before
     assert state.step == ""
 
@@ -55,7 +62,7 @@ def test_a_picture_that_cannot_be_read_leaves_the_other_one_on_screen(drawing):
 def test_another_method_keeps_the_new_light(drawing):
     state = opened(drawing)
     state.param.update(new_light=[12.0, 34.0], method="lambert")
-    asyncio.run(state.analyze())
+    run(state.analyze())
     assert state.analysis.method == "lambert"
     assert state.new_light == [12.0, 34.0]
 
@@ -69,7 +76,7 @@ def test_a_failed_analysis_takes_the_wish_back(drawing, monkeypatch):
     monkeypatch.setattr(toonkit, "analyze", fail)
     state.method = "todo"
     with pytest.raises(ToonkitError, match="no shape"):
-        asyncio.run(state.analyze())
+        run(state.analyze())
     assert state.method == "lumo"
 
 
@@ -88,7 +95,7 @@ def test_a_cancelled_analysis_takes_the_wish_back(drawing, monkeypatch):
 
     monkeypatch.setattr(toonkit, "analyze", endless)
     state.method = "todo"
-    asyncio.run(analyze_and_cancel())
+    run(analyze_and_cancel())
     assert state.method == "lumo"
     assert state.step == ""
 
@@ -110,7 +117,7 @@ def test_a_newer_wish_ends_an_older_computation(drawing, monkeypatch):
         await asyncio.gather(older, state.analyze())
 
     monkeypatch.setattr(toonkit, "analyze", slow_for_todo)
-    asyncio.run(two_wishes())
+    run(two_wishes())
     assert state.analysis.method == state.method == "lambert"
 
 

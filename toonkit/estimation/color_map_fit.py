@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.ndimage import maximum_filter, minimum_filter
 
-from toonkit._validation import BoolArray, FloatArray, as_array, refuse, same_shape
+from toonkit._validation import BoolArray, FloatArray, as_array, of_type, refuse, same_shape
 from toonkit.model.color_map import HALF_STEP, ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.luminance import linear_to_srgb, srgb_to_linear, tone
@@ -58,12 +58,15 @@ def fit_color_map(image: ToonImage, illumination: ArrayLike) -> ColorMap:
     >>> fit_color_map(ToonImage(color, np.ones((20, 20), bool)), illumination)([0.2, 0.3]).tolist()
     [[0.3, 0.2, 0.4], [0.9, 0.8, 0.7]]
     """
+    of_type("image", image, ToonImage)
     light = as_array("illumination", illumination, (None, None))
     same_shape("illumination", light.shape, image.mask.shape, "the picture")
     pairs = light[image.mask]
     if not (np.isfinite(pairs).all() and np.abs(pairs).max() <= 1 + 1e-9):
         raise refuse("illumination", "must lie in [-1, 1] on the object", "values outside it or NaN")
-    colors = _band_colors(image.color[image.mask], plain_tones(image)[image.mask])
+    colors = _band_colors(
+        image.color[image.mask], tone(image.color)[image.mask], plain_tones(image)[image.mask]
+    )
     return _rank_matched(colors, np.sort(np.clip(pairs, -1.0, 1.0)))
 
 
@@ -83,7 +86,14 @@ def illumination_interval(image: ToonImage, color_map: ColorMap) -> Illumination
     IlluminationInterval
         Bounds of shape (H, W), NaN outside the mask. A mixed pixel of an anti-aliased band edge lies somewhere between
         the bands it mixes: its interval spans from the darker to the brighter one.
+
+    Raises
+    ------
+    ToonkitError
+        If an argument is of another type.
     """
+    of_type("image", image, ToonImage)
+    of_type("color_map", color_map, ColorMap)
     tolerance = max(HALF_STEP, noise_level(image))
     interval = color_map.invert(image.color, tolerance=tolerance)
     mixed = mixed_pixels(image)
@@ -183,11 +193,11 @@ def noise_level(image: ToonImage) -> float:
     return float(np.median(inside) / (0.6745 * np.sqrt(6)))
 
 
-def _band_colors(colors: FloatArray, plain: FloatArray) -> FloatArray:
+def _band_colors(colors: FloatArray, tones: FloatArray, plain: FloatArray) -> FloatArray:
     """Colors (P, 3) from dark to bright, each mixed one replaced by a color of the band whose tone it was given."""
-    pure = np.flatnonzero(plain == tone(colors))
+    pure = np.flatnonzero(plain == tones)
     pure = pure[np.argsort(plain[pure], kind="stable")]
-    mixed = np.flatnonzero(plain != tone(colors))
+    mixed = np.flatnonzero(plain != tones)
     stand_in = np.arange(len(colors))
     stand_in[mixed] = pure[np.searchsorted(plain[pure], plain[mixed])]
     return colors[stand_in[np.argsort(plain, kind="stable")]]

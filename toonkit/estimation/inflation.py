@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from toonkit._validation import FloatArray, as_array, as_mask, refuse, same_shape
+from toonkit._validation import FloatArray, as_coverage, as_mask
 from toonkit.estimation.silhouette import Silhouette, trace_silhouette
 from toonkit.model.normals import NormalField
 from toonkit.numerics.masked_grid import MaskedGrid, block_sums
@@ -57,13 +57,10 @@ def inflate(mask: ArrayLike, *, alpha: ArrayLike | None = None) -> NormalField:
     [0.0, 0.0, 1.0]
     """
     on_object = as_mask("mask", mask)
-    if alpha is None:
-        coverage = on_object.astype(np.float64)
-    else:
-        coverage = as_array("alpha", alpha, (None, None))
-        same_shape("alpha", coverage.shape, on_object.shape, "mask")
-        if not (np.isfinite(coverage).all() and coverage.min() >= 0 and coverage.max() <= 1):
-            raise refuse("alpha", "must lie in [0, 1]", "values outside it or NaN")
+    shape = on_object.shape
+    coverage = (
+        on_object.astype(np.float64) if alpha is None else as_coverage("alpha", alpha, (shape[0], shape[1]))
+    )
     grid = MaskedGrid(on_object)
     silhouette = trace_silhouette(grid, coverage)
     sideways, _ = solve_membrane(*silhouette_system(grid, silhouette), tolerance=RESIDUAL_TOLERANCE)

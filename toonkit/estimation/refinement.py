@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from toonkit._validation import FloatArray, as_light, is_number, refuse, same_shape
+from toonkit._validation import FloatArray, as_coverage, as_light, is_number, of_type, refuse, same_shape
 from toonkit.estimation.energy import ChangeEnergy, PrintedEnergy, ShadingTerm
 from toonkit.estimation.silhouette import trace_silhouette
 from toonkit.model.color_map import IlluminationInterval
@@ -83,7 +83,7 @@ def refine(
     light: ArrayLike,
     interval: IlluminationInterval,
     *,
-    alpha: FloatArray | None = None,
+    alpha: ArrayLike | None = None,
     options: RefinementOptions | None = None,
     progress: Progress | None = None,
 ) -> Refinement:
@@ -98,8 +98,8 @@ def refine(
         Direction from the surface to the light.
     interval : IlluminationInterval
         Range of illumination that each pixel's color allows, bounds of shape (H, W).
-    alpha : ndarray, shape (H, W), optional
-        Coverage, which places the outline between pixels; the mask's own by default.
+    alpha : array_like, shape (H, W), optional
+        Coverage in [0, 1], which places the outline between pixels; the mask's own by default.
     options : RefinementOptions, optional
         Weights.
     progress : callable, optional
@@ -113,18 +113,24 @@ def refine(
     Raises
     ------
     ToonkitError
-        If the light is refused or the interval has another size or is unknown on the object.
+        If the light is refused, the interval or alpha has another size, the interval is unknown on the object, or alpha
+        leaves [0, 1].
 
     Notes
     -----
     Minimizes `toonkit.estimation.energy.ChangeEnergy`.
     """
-    options = options or RefinementOptions()
+    of_type("initial_normals", initial_normals, NormalField)
+    of_type("interval", interval, IlluminationInterval)
+    options = RefinementOptions() if options is None else options
+    of_type("options", options, RefinementOptions)
     grid = MaskedGrid(initial_normals.mask)
     start = initial_normals.vectors[grid.mask]
     shading = _with_margin(_shading_term(grid, light, interval), start, options.margin)
     size = float(np.sqrt(grid.size))
-    silhouette = trace_silhouette(grid, grid.mask.astype(np.float64) if alpha is None else alpha)
+    shape = initial_normals.shape
+    coverage = grid.mask.astype(np.float64) if alpha is None else as_coverage("alpha", alpha, shape)
+    silhouette = trace_silhouette(grid, coverage)
     ties = options.rim_hold * block_sums(silhouette.pixels, 1.0 / silhouette.distances, grid.size)
     energy = ChangeEnergy(
         grid, shading, start, ties, options.change_length * size, options.integrability_length * size
@@ -222,6 +228,6 @@ def _with_margin(shading: ShadingTerm, start: FloatArray, margin: float) -> Shad
 def _shading_term(grid: MaskedGrid, light: ArrayLike, interval: IlluminationInterval) -> ShadingTerm:
     for name, bound in (("interval.lower", interval.lower), ("interval.upper", interval.upper)):
         same_shape(name, bound.shape, grid.mask.shape, "the normals")
-        if np.isnan(bound[grid.mask]).any():
-            raise refuse(name, "must be known on the object", "NaN")
+        if not np.isfinite(bound[grid.mask]).all():
+            raise refuse(name, "must be known and finite on the object", "NaN or infinite values")
     return ShadingTerm(as_light("light", light), interval.lower[grid.mask], interval.upper[grid.mask])

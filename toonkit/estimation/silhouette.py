@@ -146,10 +146,10 @@ def _crossings(grid: MaskedGrid, level: FloatArray, contour: FloatArray, smoothi
     height, width = grid.mask.shape
     in_picture = (row >= 0) & (row < height) & (column >= 0) & (column < width)
     row, column, step = row[in_picture], column[in_picture], step[in_picture]
-    lookup = np.full(grid.mask.shape, OUTSIDE, dtype=np.intp)
-    lookup[grid.mask] = np.arange(grid.size)
     directions = np.argmax((step[:, None, :] == np.array(STEPS)).all(axis=2), axis=1)
-    return Silhouette(lookup[row, column], directions, distance[in_picture], outward[in_picture])
+    return Silhouette(
+        grid.index[row, column].astype(np.intp), directions, distance[in_picture], outward[in_picture]
+    )
 
 
 def _smooth_curve(points: FloatArray, closed: bool, smoothing: float) -> tuple[FloatArray, FloatArray]:

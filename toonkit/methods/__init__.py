@@ -6,7 +6,7 @@ from typing import Protocol
 
 from numpy.typing import ArrayLike
 
-from toonkit._validation import refuse
+from toonkit._validation import of_type, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.light_fit import estimate_light
 from toonkit.methods.lambert import lambert
@@ -74,8 +74,7 @@ def analyze(
     """
     if method not in METHODS:
         raise refuse("method", f"must be one of {', '.join(METHODS)}", repr(method))
-    if not isinstance(image, ToonImage):
-        raise refuse("image", "must be a ToonImage (see toonkit.load_image)", type(image).__name__)
+    of_type("image", image, ToonImage)
     if light is None:
         light = estimate_light(image).light
     return METHODS[method](image, light, progress=progress)

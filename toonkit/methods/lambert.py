@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from toonkit._validation import FloatArray
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.refinement import refine_as_printed
-from toonkit.methods.steps import StepProgress, first_steps
+from toonkit.methods.steps import StepProgress, inflated
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.luminance import luminance
@@ -49,7 +49,7 @@ def lambert(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None
     T.-P. Wu, J. Sun, C.-K. Tang, H.-Y. Shum, "Interactive normal reconstruction from a single image", ACM Trans. Graph.
     27(5), 2008.
     """
-    steps = first_steps(image, light, progress)
+    steps = inflated(image, light, progress)
     target = _stretched_luminance(image, steps.initial_illumination)
     refinement = refine_as_printed(
         steps.initial_normals,

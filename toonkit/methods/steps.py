@@ -1,4 +1,4 @@
-"""What all methods share: the first two steps, and the last, in the paper's order."""
+"""What all methods share: the first step, and the last, which re-estimates the color map."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from toonkit._validation import FloatArray, as_light
+from toonkit._validation import FloatArray, as_light, of_type
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.color_map_fit import fit_color_map
+from toonkit.estimation.color_map_fit import fit_color_map, illumination_interval
 from toonkit.estimation.inflation import inflate
 from toonkit.estimation.refinement import Refinement
+from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination
@@ -20,13 +21,13 @@ StepProgress = Callable[[str, float], None]
 """Called with the name of the running step and the fraction of the whole done, 0 to 1; what it raises cancels."""
 
 INFLATED, FITTED = 0.2, 0.3
-"""Fractions of the whole done after the first two steps, for the progress bar."""
+"""Fractions of the whole done once the shape is inflated and the color map fitted, for the progress bar."""
 
 
 @dataclass(frozen=True, eq=False)
-class FirstSteps:
+class Inflated:
     """
-    Sections 3.1 and 3.2 carried out, whatever follows.
+    Section 3.1 carried out, whatever follows.
 
     Attributes
     ----------
@@ -50,6 +51,12 @@ class FirstSteps:
         """I0 = L · N0, shape (H, W)."""
         return illumination(self.initial_normals, self.light)
 
+    def fitted_interval(self) -> IlluminationInterval:
+        """Fit the color map to the initial illumination (Section 3.2); return what it allows each pixel."""
+        if self.progress is not None:
+            self.progress("fitting the color map", INFLATED)
+        return illumination_interval(self.image, fit_color_map(self.image, self.initial_illumination))
+
     def refining(self, fraction: float) -> None:
         """Report how far the refinement is, 0 to 1."""
         if self.progress is not None:
@@ -71,12 +78,11 @@ class FirstSteps:
         )
 
 
-def first_steps(image: ToonImage, light: ArrayLike, progress: StepProgress | None) -> FirstSteps:
+def inflated(image: ToonImage, light: ArrayLike, progress: StepProgress | None) -> Inflated:
     """Inflate the silhouette (Section 3.1) for a picture and its light."""
+    of_type("image", image, ToonImage)
     direction = as_light("light", light)
     if progress is not None:
         progress("inflating the silhouette", 0.0)
     normals = inflate(image.mask, alpha=image.alpha)
-    if progress is not None:
-        progress("fitting the color map", INFLATED)
-    return FirstSteps(image, direction, normals, progress)
+    return Inflated(image, direction, normals, progress)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.color_map_fit import fit_color_map, illumination_interval
 from toonkit.estimation.refinement import refine_as_printed
-from toonkit.methods.steps import StepProgress, first_steps
+from toonkit.methods.steps import StepProgress, inflated
 from toonkit.model.image import ToonImage
 
 RHO, LAMBDA = 20.0, 30.0
@@ -42,12 +41,11 @@ def todo(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = 
     H. Todo, Y. Yamaguchi, "Reflectance and Shape Estimation for Cartoon Shaded Objects", Pacific Graphics
     Short Papers, 2016.
     """
-    steps = first_steps(image, light, progress)
-    color_map = fit_color_map(image, steps.initial_illumination)
+    steps = inflated(image, light, progress)
     refinement = refine_as_printed(
         steps.initial_normals,
         steps.light,
-        illumination_interval(image, color_map),
+        steps.fitted_interval(),
         rho=RHO,
         smoothness=LAMBDA,
         progress=steps.refining,

@@ -5,9 +5,8 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.color_map_fit import fit_color_map, illumination_interval
 from toonkit.estimation.refinement import refine
-from toonkit.methods.steps import StepProgress, first_steps
+from toonkit.methods.steps import StepProgress, inflated
 from toonkit.model.image import ToonImage
 
 
@@ -39,12 +38,11 @@ def toonkit(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None
     Where the paper smooths the normals (Eq. 5), which pulls a round shape flat, this smooths their change from N0, and adds
     the integrability that normals of a surface have; see `toonkit.estimation.energy.ChangeEnergy`.
     """
-    steps = first_steps(image, light, progress)
-    color_map = fit_color_map(image, steps.initial_illumination)
+    steps = inflated(image, light, progress)
     refinement = refine(
         steps.initial_normals,
         steps.light,
-        illumination_interval(image, color_map),
+        steps.fitted_interval(),
         alpha=image.alpha,
         progress=steps.refining,
     )

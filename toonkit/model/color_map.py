@@ -14,6 +14,9 @@ from toonkit.model.luminance import tone
 MONOTONE_TOLERANCE = 0.05
 """How far, in tone, a painted ramp may dip below an earlier sample: hue shifts and 8-bit colors wobble."""
 
+INVERSE_SAMPLES = 1024
+"""Least number of steps in which a map is inverted."""
+
 HALF_STEP = 0.5 / 255
 """Half a step of an 8-bit picture: colors closer than this were painted alike."""
 
@@ -26,11 +29,27 @@ class IlluminationInterval:
     Attributes
     ----------
     lower, upper : ndarray, shape (...)
-        Illumination in [-1, 1], lower <= upper; NaN where the color was NaN.
+        Illumination, lower <= upper; NaN where the color was NaN.
+
+    Raises
+    ------
+    ToonkitError
+        If the bounds differ in shape, or a lower bound lies above its upper one.
     """
 
     lower: FloatArray
     upper: FloatArray
+
+    def __post_init__(self) -> None:
+        lower, upper = (np.asarray(bound, dtype=np.float64) for bound in (self.lower, self.upper))
+        if lower.shape != upper.shape:
+            raise refuse("upper", f"must have the shape of lower {lower.shape}", upper.shape)
+        if (lower > upper).any():
+            raise refuse(
+                "lower", "must not lie above upper", f"{int((lower > upper).sum())} intervals that do"
+            )
+        object.__setattr__(self, "lower", lower)
+        object.__setattr__(self, "upper", upper)
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,8 +153,7 @@ class ColorMap:
         if not tolerance >= 0:
             raise refuse("tolerance", "must be a number >= 0", tolerance)
         tones = tone(np.asarray(color, dtype=np.float64))
-        highest_so_far, lowest_to_come = self._tone_envelopes
-        where = self.illumination
+        where, highest_so_far, lowest_to_come = self._tone_envelopes
         darkest, brightest = tones - tolerance, tones + tolerance
         lower = _crossing(darkest, highest_so_far, where, side="left")
         upper = _crossing(brightest, lowest_to_come, where, side="right")
@@ -145,14 +163,19 @@ class ColorMap:
         return IlluminationInterval(np.where(unknown, np.nan, lower), np.where(unknown, np.nan, upper))
 
     @cached_property
-    def _tone_envelopes(self) -> tuple[FloatArray, FloatArray]:
-        """Two nondecreasing envelopes of the tones: the highest so far, and the lowest still to come.
+    def _tone_envelopes(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Illuminations, and two nondecreasing envelopes of the tones: the highest so far, and the lowest still to come.
 
         They are equal for a monotone ramp. Where a ramp dips, a color's interval runs from the first
         illumination that is as bright to the last one that is as dark.
         """
-        tones = tone(self.colors)
-        return np.maximum.accumulate(tones), np.minimum.accumulate(tones[::-1])[::-1]
+        count = len(self.colors)
+        where = self.illumination
+        if count > 1:
+            # Colors are linear between samples, their tones only nearly: so few samples that it shows get more between.
+            where = np.linspace(*self.domain, (count - 1) * -(-INVERSE_SAMPLES // (count - 1)) + 1)
+        tones = tone(self(where))
+        return where, np.maximum.accumulate(tones), np.minimum.accumulate(tones[::-1])[::-1]
 
     def resampled(self, count: int) -> ColorMap:
         """Return the same map with `count` >= 2 evenly spaced samples over the same domain."""

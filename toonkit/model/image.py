@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
-from toonkit._validation import BoolArray, FloatArray, as_array, as_mask, refuse, same_shape
+from toonkit._validation import BoolArray, FloatArray, as_array, as_coverage, as_mask, refuse, same_shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,10 +56,12 @@ class ToonImage:
         mask = as_mask("mask", self.mask)
         same_shape("mask", mask.shape, color.shape[:2], "color")
         inside = _check_colors("color", color[mask])
-        alpha = mask.astype(np.float64) if self.alpha is None else as_array("alpha", self.alpha, (None, None))
-        same_shape("alpha", alpha.shape, mask.shape, "color")
-        if not (np.isfinite(alpha).all() and alpha.min() >= 0 and alpha.max() <= 1):
-            raise refuse("alpha", "must lie in [0, 1]", "values outside it or NaN")
+        shape = mask.shape
+        alpha = (
+            mask.astype(np.float64)
+            if self.alpha is None
+            else as_coverage("alpha", self.alpha, (shape[0], shape[1]))
+        )
         touched = (alpha > 0) & ~mask
         fringe = np.full_like(color, np.nan)
         if touched.any():

@@ -107,7 +107,7 @@ def _sweep(neighbors, direction, lower, upper, rho, smoothness, relaxation, fiel
                 count += 1
         # The pixel stands in its own Laplacian `count` times and once in that of each neighbor.
         curvature = smoothness * (count * count + count)
-        if curvature == 0.0:
+        if curvature + rho == 0.0:
             continue
         along = 0.0
         for c in range(3):
@@ -116,7 +116,9 @@ def _sweep(neighbors, direction, lower, upper, rho, smoothness, relaxation, fiel
                 q = neighbors[p, k]
                 if q >= 0:
                     slope += laplacian[q, c]
-            best[c] = field[p, c] - smoothness * slope / curvature
+            best[c] = field[p, c]
+            if curvature > 0.0:
+                best[c] -= smoothness * slope / curvature
             along += best[c] * direction[c]
         target = min(max(along, lower[p]), upper[p])
         pushed = rho * (target - along) / (curvature + rho)

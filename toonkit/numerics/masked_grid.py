@@ -39,6 +39,8 @@ class MaskedGrid:
         Number of pixels P.
     rows, columns : ndarray, shape (P,)
         Position of each pixel.
+    index : ndarray, shape (H, W)
+        Compact index of each pixel of the picture; `OUTSIDE` off the mask.
     neighbors : ndarray, shape (P, 4)
         Compact index of the right, upper, left and lower neighbor; `OUTSIDE` where that is not on the mask.
     """
@@ -49,6 +51,7 @@ class MaskedGrid:
         self.size = len(self.rows)
         framed = np.full((mask.shape[0] + 2, mask.shape[1] + 2), OUTSIDE, dtype=np.int32)
         framed[1:-1, 1:-1][mask] = np.arange(self.size, dtype=np.int32)
+        self.index: IndexArray = framed[1:-1, 1:-1]
         self.neighbors: IndexArray = np.stack(
             [framed[self.rows + 1 + down, self.columns + 1 + along] for down, along in STEPS], axis=1
         )

@@ -22,6 +22,9 @@ ARROWS_ACROSS = 16
 ARROW_COLOR = "#e8862e"
 CLAY = np.array([0.79, 0.77, 0.74])
 
+VIEW_FROM = np.array([0.45, 0.35, 1.15])
+"""From where a scene is seen first: slightly above and aside."""
+
 
 @dataclass(frozen=True, eq=False)
 class HeightScene:
@@ -62,9 +65,10 @@ class HeightScene:
         )
         plotter.add_mesh(self.arrows, color=ARROW_COLOR, smooth_shading=True)
         center = np.asarray(self.surface.center)
-        reach = self.surface.length
+        # The box's diagonal fits into the view angle, whatever the shape of the window that shows it.
+        distance = self.surface.length / 2 / np.tan(np.deg2rad(plotter.camera.view_angle / 2))
         plotter.camera.focal_point = tuple(center)
-        plotter.camera.position = tuple(center + reach * np.array([0.45, 0.35, 1.15]))
+        plotter.camera.position = tuple(center + distance * VIEW_FROM / np.linalg.norm(VIEW_FROM))
         plotter.camera.up = (0.0, 1.0, 0.0)
         return plotter
 

@@ -1,0 +1,80 @@
+import numpy as np
+import pytest
+
+from tests.analytic import LIGHT, TWO_TONE, ellipse, painted
+from toonkit import (
+    IlluminationInterval,
+    NormalField,
+    RefinementOptions,
+    ToonkitError,
+    fit_color_map,
+    illumination,
+    illumination_interval,
+)
+from toonkit.estimation.refinement import refine, refine_as_printed
+
+SHAPE = ellipse(24, 16)
+MASK = SHAPE.mask
+
+
+def everywhere(value: float) -> IlluminationInterval:
+    bound = np.where(MASK, value, np.nan)
+    return IlluminationInterval(bound, bound)
+
+
+def true_interval() -> IlluminationInterval:
+    image = painted(SHAPE.normals, TWO_TONE)
+    return illumination_interval(image, fit_color_map(image, illumination(SHAPE.normals, LIGHT)))
+
+
+def test_normals_whose_illumination_fits_hardly_move():
+    refined = refine(SHAPE.normals, LIGHT, true_interval(), options=RefinementOptions(margin=0.0)).normals
+    # True normals fit their own intervals but for the sample on either side of the step.
+    assert np.abs(refined.vectors - SHAPE.normals.vectors)[MASK].max() < 0.02
+
+
+def test_with_a_margin_no_pixel_that_was_moved_ends_on_a_bound():
+    interval = true_interval()
+    start = NormalField(SHAPE.normals.vectors * np.array([-1.0, 1.0, 1.0]), MASK)  # lit from the wrong side
+    options = RefinementOptions(margin=0.05, change_length=1e-3, integrability_length=0.0, rim_hold=0.0)
+    light = illumination(refine(start, LIGHT, interval, options=options).normals, LIGHT)
+    moved = (interval.lower == -1) & (illumination(start, LIGHT) > interval.upper + 0.1)
+    assert moved.sum() > 50
+    # What had to become dark goes past the step by most of the margin.
+    assert np.median((interval.upper - light)[moved]) > 0.04
+
+
+def test_without_smoothness_the_printed_energy_is_the_shading_alone():
+    refined = refine_as_printed(
+        SHAPE.normals, LIGHT, everywhere(0.5), rho=20.0, smoothness=0.0, relaxation=1.0
+    )
+    assert np.nanmedian(np.abs(illumination(refined.normals, LIGHT) - 0.5)) < 0.01
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"alpha": np.ones((3, 3))}, "alpha must have the size"),
+        ({"alpha": 2.0 * MASK}, r"alpha must lie in \[0, 1\]"),
+        ({"interval": everywhere(np.inf)}, "interval.lower must be known and finite"),
+        ({"options": {"sweeps": 3}}, "options must be a RefinementOptions"),
+        ({"light": [0, 0, 0]}, "zero vector"),
+    ],
+)
+def test_what_cannot_be_refined_is_refused(arguments, words):
+    given = {"light": LIGHT, "interval": everywhere(0.5), **arguments}
+    with pytest.raises(ToonkitError, match=words):
+        refine(SHAPE.normals, given.pop("light"), given.pop("interval"), **given)
+
+
+@pytest.mark.parametrize(
+    ("option", "value"), [("margin", -1), ("change_length", np.nan), ("rim_hold", "much"), ("sweeps", 0)]
+)
+def test_an_option_without_meaning_is_refused(option, value):
+    with pytest.raises(ToonkitError, match=option):
+        RefinementOptions(**{option: value})
+
+
+def test_an_interval_whose_bounds_are_swapped_is_refused():
+    with pytest.raises(ToonkitError, match="lower must not lie above upper"):
+        IlluminationInterval(np.ones(3), np.zeros(3))
