@@ -41,8 +41,3 @@ def painted_ball(size=120, seed=1):
 @pytest.fixture(scope="session")
 def ball():
     return painted_ball()
-
-
-@pytest.fixture(scope="session")
-def base_url():
-    """No base address: the plugin's own fixture of this name is declared in a way that pytest deprecates."""

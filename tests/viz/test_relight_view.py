@@ -39,7 +39,9 @@ def served_ball(ball):
         port = probe.getsockname()[1]
 
     def app():
-        view = RelightView(new_light=[20.0, 30.0])
+        view = RelightView(
+            new_light=[77.0, 33.0]
+        )  # no light of a test: setting the same again would draw nothing
         view.show(ball)
         return view
 
