@@ -115,7 +115,8 @@ def drawing_picker(state: RelightState) -> pn.Column:
                 cards.value = state.sample
 
     async def dropped(files: dict[str, bytes]) -> None:
-        for content in files.values():
+        # The widget changes this dictionary when the next file is dropped, which may be before this one is analyzed.
+        for content in tuple(files.values()):
             await state.open_file(content)
 
     pn.bind(choose, cards, watch=True)
