@@ -172,9 +172,16 @@ def color_map_tab() -> TabMaker:
 def normal_map_tab() -> TabMaker:
     from toonkit.viz.elements import normal_map  # noqa: PLC0415
 
-    return lambda shown: tab_content(
-        NORMAL_MAP_NOTE, pn.pane.HoloViews(normal_map(shown.normals), **TAB_SIZE)
-    )
+    def make(shown: ToonAnalysis) -> pn.Column:
+        rows, columns = shown.normals.shape
+        height = TAB_SIZE["height"]
+        # As wide as its shape asks for: stretched over the page, pixels would not be square.
+        element = normal_map(shown.normals).opts(
+            responsive=False, height=height, width=height * columns // rows
+        )
+        return tab_content(NORMAL_MAP_NOTE, pn.pane.HoloViews(element, sizing_mode="fixed"))
+
+    return make
 
 
 def shape_tab() -> TabMaker:

@@ -88,6 +88,10 @@ def load_analysis(path: PathLike) -> ToonAnalysis:
     file = Path(path).expanduser()
     if not file.is_file():
         raise refuse("path", "must be an archive of an analysis", f"{path}, which is not a file")
+    if not zipfile.is_zipfile(file):  # else numpy takes it for a pickle, and advises to load that unsafely
+        raise refuse(
+            "path", "must be an undamaged archive of an analysis", f"{path}, which is damaged or none"
+        )
     try:
         # Opened here, because numpy leaves a damaged file open.
         with file.open("rb") as opened, np.load(opened, allow_pickle=False) as archive:
