@@ -93,3 +93,9 @@ def test_turning_every_normal_about_the_view_axis_changes_steep_ones_most():
     middle = (np.abs(SHAPE.x) < 2) & (np.abs(SHAPE.y) < 2)
     assert np.nanmax(error.map) == pytest.approx(10, abs=0.3)
     assert error.map[middle].max() < 2
+
+
+@pytest.mark.parametrize("measure", [angular_error, color_rmse, color_difference])
+def test_bare_arrays_are_refused(measure):
+    with pytest.raises(ToonkitError, match="must be a"):
+        measure(SHAPE.x, SHAPE.y)

@@ -117,6 +117,7 @@ def height_mesh(field: HeightField, *, color: ToonImage | None = None) -> trimes
     ToonkitError
         If the picture has another size or mask.
     """
+    of_type("field", field, HeightField)
     import trimesh  # noqa: PLC0415 - takes seconds to import, and only meshes need it
 
     grid = MaskedGrid(field.mask)

@@ -8,7 +8,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 from skimage.color import deltaE_ciede2000, rgb2lab
 
-from toonkit._validation import BoolArray, FloatArray, as_array, as_mask, refuse, same_mask, same_shape
+from toonkit._validation import (
+    BoolArray,
+    FloatArray,
+    as_array,
+    as_mask,
+    of_type,
+    refuse,
+    same_mask,
+    same_shape,
+)
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.numerics.masked_grid import MaskedGrid
@@ -55,6 +64,8 @@ def angular_error(normals: NormalField, reference: NormalField) -> ErrorSummary:
     ToonkitError
         If the masks differ.
     """
+    for name, field in (("normals", normals), ("reference", reference)):
+        of_type(name, field, NormalField)
     same_mask("reference", reference.mask, normals.mask, "the estimate")
     a, b = normals.vectors, reference.vectors
     # arctan2 of both products: exact near 0, where arccos is not.
@@ -112,7 +123,7 @@ def color_rmse(image: ToonImage, reference: ToonImage) -> float:
     ToonkitError
         If the masks differ.
     """
-    same_mask("reference", reference.mask, image.mask, "the estimate")
+    _same_object(image, reference)
     difference = image.color[image.mask] - reference.color[image.mask]
     return float(np.sqrt(np.mean(difference**2)))
 
@@ -136,7 +147,7 @@ def color_difference(image: ToonImage, reference: ToonImage) -> ErrorSummary:
     ToonkitError
         If the masks differ.
     """
-    same_mask("reference", reference.mask, image.mask, "the estimate")
+    _same_object(image, reference)
     mask = image.mask
     ours, theirs = (rgb2lab(picture.color[mask][None])[0] for picture in (image, reference))
     difference = np.full(mask.shape, np.nan)
@@ -171,6 +182,12 @@ def relight_response(
     same_mask("true_before", true_before.mask, before.mask, "the estimate")
     truth = color_rmse(true_after, true_before)
     return color_rmse(after, before) / truth if truth > 0 else float("nan")
+
+
+def _same_object(image: ToonImage, reference: ToonImage) -> None:
+    for name, picture in (("image", image), ("reference", reference)):
+        of_type(name, picture, ToonImage)
+    same_mask("reference", reference.mask, image.mask, "the estimate")
 
 
 def _summary(error: FloatArray, mask: BoolArray) -> ErrorSummary:

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from toonkit._validation import FloatArray, as_light, of_type
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.image import ToonImage, nearest_object_pixel
+from toonkit.model.shading import illumination
 
 DETAIL_RANGE = 0.15
 """Change of illumination over which the painted detail hands over to the model: about half a tone of a four-tone ramp."""
@@ -53,7 +54,7 @@ def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool =
     of_type("analysis", analysis, ToonAnalysis)
     light = as_light("new_light", new_light)
     before = analysis.illumination
-    after = np.clip(analysis.normals.vectors @ light, -1.0, 1.0)
+    after = illumination(analysis.normals, light)
     model = analysis.color_map(after)
     image = analysis.image
     if not keep_detail:

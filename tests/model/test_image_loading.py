@@ -449,3 +449,8 @@ def test_a_picture_without_a_solid_object_is_refused(alpha, reason):
     picture[..., 3] = alpha
     with pytest.raises(ToonkitError, match=f"source must contain .*{reason}"):
         load_image(encoded(picture))
+
+
+def test_a_name_too_long_for_a_file_is_refused():
+    with pytest.raises(ToonkitError, match="source must be"):
+        load_image("a" * 300)

@@ -95,10 +95,10 @@ def unit_range(argument: str, array: NDArray[Any]) -> FloatArray:
 
 
 def _read_path(argument: str, path: Path) -> bytes:
-    if path.is_dir():
-        raise refuse(argument, "must be a picture file", f"the folder {path}")
     try:
         return path.read_bytes()
+    except IsADirectoryError:
+        raise refuse(argument, "must be a picture file", f"the folder {path}") from None
     except FileNotFoundError:
         raise refuse(argument, "must be an existing file", f"{path}, which does not exist") from None
     except (OSError, ValueError) as error:  # ValueError: a path with a null character

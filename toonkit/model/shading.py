@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from toonkit._validation import FloatArray, as_light
+from toonkit._validation import FloatArray, as_light, of_type
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
@@ -32,6 +32,7 @@ def illumination(normals: NormalField, light: ArrayLike) -> FloatArray:
     ToonkitError
         If the light is zero, not finite or from behind.
     """
+    of_type("normals", normals, NormalField)
     return np.clip(normals.vectors @ as_light("light", light), -1.0, 1.0)
 
 
@@ -58,4 +59,5 @@ def shade(normals: NormalField, light: ArrayLike, color_map: ColorMap) -> ToonIm
     ToonkitError
         If the light is zero, not finite or from behind.
     """
+    of_type("color_map", color_map, ColorMap)
     return ToonImage(color_map(illumination(normals, light)), normals.mask)
