@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from toonkit._validation import FloatArray, as_light, of_type
 from toonkit.analysis import ToonAnalysis
-from toonkit.model.image import ToonImage, nearest_object_pixel
+from toonkit.model.image import ToonImage
 from toonkit.model.shading import illumination
 
 DETAIL_RANGE = 0.15
@@ -53,15 +53,19 @@ def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool =
     """
     of_type("analysis", analysis, ToonAnalysis)
     light = as_light("new_light", new_light)
-    before = analysis.illumination
-    after = illumination(analysis.normals, light)
-    model = analysis.color_map(after)
-    image = analysis.image
-    if not keep_detail:
-        return ToonImage(model, image.mask, alpha=image.alpha)
-    detail = image.color - analysis.color_map(before)
-    color = np.clip(model + detail_weight(after - before, detail)[..., None] * detail, 0.0, 1.0)
-    return ToonImage(color, image.mask, alpha=image.alpha, fringe=_moved_fringe(image, color))
+    image, mask = analysis.image, analysis.image.mask
+    after = illumination(analysis.normals, light)[mask]
+    relit = analysis.color_map(after)
+    fringe = None
+    if keep_detail:
+        before = analysis.illumination[mask]
+        detail = image.color[mask] - analysis.color_map(before)
+        relit = np.clip(relit + detail_weight(after - before, detail)[:, None] * detail, 0.0, 1.0)
+    color = np.full_like(image.color, np.nan)
+    color[mask] = relit
+    if keep_detail:
+        fringe = _moved_fringe(image, color)
+    return ToonImage(color, mask, alpha=image.alpha, fringe=fringe)
 
 
 def detail_weight(change: FloatArray, detail: FloatArray) -> FloatArray:
@@ -73,9 +77,7 @@ def detail_weight(change: FloatArray, detail: FloatArray) -> FloatArray:
 
 def _moved_fringe(image: ToonImage, color: FloatArray) -> FloatArray:
     touched = ~np.isnan(image.fringe[..., 0])
+    there = image.fringe_sources
     fringe = np.full_like(color, np.nan)
-    if touched.any():
-        rows, columns = nearest_object_pixel(image.mask)
-        there = rows[touched], columns[touched]
-        fringe[touched] = np.clip(image.fringe[touched] + color[there] - image.color[there], 0.0, 1.0)
+    fringe[touched] = np.clip(image.fringe[touched] + color[there] - image.color[there], 0.0, 1.0)
     return fringe

@@ -72,12 +72,12 @@ class PrintedEnergy:
     def value(self, normals: FloatArray) -> float:
         """Energy of normals (P, 3)."""
         return self.rho * self.shading.value(normals) + self.smoothness * float(
-            np.sum(laplacian(self.grid, normals) ** 2)
+            np.sum(self.grid.laplacian(normals) ** 2)
         )
 
     def gradient(self, normals: FloatArray) -> FloatArray:
         """Gradient with respect to the normals, shape (P, 3), before any unit-length constraint."""
-        twice = laplacian(self.grid, laplacian(self.grid, normals))  # the Laplacian is its own adjoint
+        twice = self.grid.laplacian(self.grid.laplacian(normals))  # the Laplacian is its own adjoint
         return self.rho * self.shading.gradient(normals) + 2.0 * self.smoothness * twice
 
 
@@ -135,22 +135,13 @@ class ChangeEnergy:
     def gradient(self, normals: FloatArray) -> FloatArray:
         """Gradient with respect to the normals, shape (P, 3), before any unit-length constraint."""
         change = normals - self.initial
-        membrane = self.ties[:, None] * change - laplacian(self.grid, change)
+        membrane = self.ties[:, None] * change - self.grid.laplacian(change)
         curl = _integrability_gradient(self.grid, normals)
         return (
             self.shading.gradient(normals)
             + 2.0 * self.change_length**2 * membrane
             + self.integrability_length**2 * curl
         )
-
-
-def laplacian(grid: MaskedGrid, field: FloatArray) -> FloatArray:
-    """Sum over neighbors of (neighbor - pixel) for a field (P, C): no flow across the outline."""
-    result = np.zeros_like(field)
-    for there in grid.neighbors.T:
-        linked = there != OUTSIDE
-        result[linked] += field[there[linked]] - field[linked]
-    return result
 
 
 def integrability_residual(grid: MaskedGrid, normals: FloatArray) -> FloatArray:

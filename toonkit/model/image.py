@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,6 +83,15 @@ class ToonImage:
         """Height and width in pixels."""
         height, width = self.mask.shape
         return height, width
+
+    @cached_property
+    def fringe_sources(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Row and column of the object pixel nearest to each fringe pixel, in the order of `fringe[touched]`."""
+        touched = ~np.isnan(self.fringe[..., 0])
+        if not touched.any():
+            return np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp)
+        rows, columns = nearest_object_pixel(self.mask)
+        return rows[touched], columns[touched]
 
     def to_rgba(self) -> NDArray[np.uint8]:
         """Return the picture as 8-bit straight-alpha RGBA, shape (H, W, 4); transparent black where alpha is 0."""

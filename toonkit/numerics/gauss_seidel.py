@@ -67,12 +67,11 @@ def over_relaxed_sweeps(
         Sweeps, energies and why it stopped.
     """
     field = start.copy()
-    laplacian = np.zeros_like(field)
     energies = [energy(field)]
     sweeps = 0
     while sweeps < max_sweeps:
         # Recomputed now and then: updates alone would let rounding pile up.
-        _laplacian(grid.neighbors, field, laplacian)
+        laplacian = grid.laplacian(field)
         block = min(CHECK_EVERY, max_sweeps - sweeps)
         for _ in range(block):
             _sweep(grid.neighbors, direction, lower, upper, rho, smoothness, relaxation, field, laplacian)
@@ -83,18 +82,6 @@ def over_relaxed_sweeps(
         if abs(energies[-2] - energies[-1]) <= tolerance * block * abs(energies[-1]):
             return field, SolverReport(sweeps, np.array(energies), "the energy stands still", converged=True)
     return field, SolverReport(sweeps, np.array(energies), "the sweep limit was reached", converged=False)
-
-
-@njit(cache=True, nogil=True)
-def _laplacian(neighbors, field, laplacian):  # type: ignore[no-untyped-def]
-    for p in range(field.shape[0]):
-        for c in range(3):
-            value = 0.0
-            for k in range(4):
-                q = neighbors[p, k]
-                if q >= 0:
-                    value += field[q, c] - field[p, c]
-            laplacian[p, c] = value
 
 
 @njit(cache=True, nogil=True)

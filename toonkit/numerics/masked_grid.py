@@ -9,6 +9,7 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray
@@ -103,6 +104,23 @@ class MaskedGrid:
             result += block_sums(there[linked], flow[linked, axis], self.size)
         return result
 
+    def laplacian(self, field: FloatArray) -> FloatArray:
+        """
+        Sum over neighbors of (neighbor - pixel): no flow across the outline. It is its own adjoint.
+
+        Parameters
+        ----------
+        field : ndarray, shape (P, C)
+            A field of C components.
+
+        Returns
+        -------
+        ndarray, shape (P, C)
+            The 5-point Laplacian, per pixel step squared.
+        """
+        result: FloatArray = _laplacian(self.neighbors, field)
+        return result
+
     def coarsened(self) -> tuple[MaskedGrid, IndexArray]:
         """
         Return the grid of 2 x 2 blocks and the block of each pixel.
@@ -120,6 +138,18 @@ class MaskedGrid:
         index = np.full(mask.shape, OUTSIDE, dtype=np.int32)
         index[mask] = np.arange(int(mask.sum()), dtype=np.int32)
         return MaskedGrid(mask), index[self.rows // 2, self.columns // 2]
+
+
+@njit(cache=True, nogil=True)
+def _laplacian(neighbors, field):  # type: ignore[no-untyped-def]
+    result = np.zeros_like(field)
+    for p in range(field.shape[0]):
+        for k in range(4):
+            q = neighbors[p, k]
+            if q >= 0:
+                for c in range(field.shape[1]):
+                    result[p, c] += field[q, c] - field[p, c]
+    return result
 
 
 def block_sums(index: NDArray[np.integer], values: FloatArray, count: int) -> FloatArray:
