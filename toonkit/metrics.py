@@ -20,7 +20,7 @@ from toonkit._validation import (
 )
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
-from toonkit.numerics.masked_grid import MaskedGrid
+from toonkit.numerics.masked_grid import rim_mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +43,21 @@ class ErrorSummary:
     median: float
     percentile_95: float
     mean_without_rim: float
+
+
+@dataclass(frozen=True)
+class PictureError:
+    """
+    How far a picture is from another.
+
+    Attributes
+    ----------
+    rmse, rmse_without_rim : float
+        Root mean square difference over the mask, and over the mask without the one-pixel rim (NaN if nothing is left).
+    """
+
+    rmse: float
+    rmse_without_rim: float
 
 
 def angular_error(normals: NormalField, reference: NormalField) -> ErrorSummary:
@@ -104,9 +119,38 @@ def illumination_error(illumination: ArrayLike, reference: ArrayLike, mask: Arra
     return _summary(np.where(on_object, np.abs(ours - theirs), np.nan), on_object)
 
 
-def color_rmse(image: ToonImage, reference: ToonImage) -> float:
+def picture_error(image: ToonImage, reference: ToonImage) -> PictureError:
     """
     Root mean square difference of two pictures, over the mask and the three channels.
+
+    Parameters
+    ----------
+    image, reference : ToonImage
+        Pictures over the same mask.
+
+    Returns
+    -------
+    PictureError
+        In sRGB, 0 to 1.
+
+    Raises
+    ------
+    ToonkitError
+        If the masks differ.
+    """
+    _same_object(image, reference)
+    mask = image.mask
+    squares = ((image.color[mask] - reference.color[mask]) ** 2).sum(axis=1) / 3
+    core = squares[~rim_mask(mask)[mask]]
+    return PictureError(
+        rmse=float(np.sqrt(squares.mean())),
+        rmse_without_rim=float(np.sqrt(core.mean())) if core.size else float("nan"),
+    )
+
+
+def color_rmse(image: ToonImage, reference: ToonImage) -> float:
+    """
+    Root mean square difference of two pictures: `picture_error` in one number.
 
     Parameters
     ----------
@@ -123,9 +167,7 @@ def color_rmse(image: ToonImage, reference: ToonImage) -> float:
     ToonkitError
         If the masks differ.
     """
-    _same_object(image, reference)
-    difference = image.color[image.mask] - reference.color[image.mask]
-    return float(np.sqrt(np.mean(difference**2)))
+    return picture_error(image, reference).rmse
 
 
 def color_difference(image: ToonImage, reference: ToonImage) -> ErrorSummary:
@@ -192,7 +234,7 @@ def _same_object(image: ToonImage, reference: ToonImage) -> None:
 
 def _summary(error: FloatArray, mask: BoolArray) -> ErrorSummary:
     inside = error[mask]
-    core = inside[~MaskedGrid(mask).rim]
+    core = inside[~rim_mask(mask)[mask]]
     return ErrorSummary(
         map=error,
         mean=float(inside.mean()),

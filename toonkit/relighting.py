@@ -55,17 +55,15 @@ def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool =
     light = as_light("new_light", new_light)
     image, mask = analysis.image, analysis.image.mask
     after = illumination(analysis.normals, light)[mask]
-    relit = analysis.color_map(after)
-    fringe = None
-    if keep_detail:
-        before = analysis.illumination[mask]
-        detail = image.color[mask] - analysis.color_map(before)
-        relit = np.clip(relit + detail_weight(after - before, detail)[:, None] * detail, 0.0, 1.0)
     color = np.full_like(image.color, np.nan)
-    color[mask] = relit
-    if keep_detail:
-        fringe = _moved_fringe(image, color)
-    return ToonImage(color, mask, alpha=image.alpha, fringe=fringe)
+    color[mask] = analysis.color_map(after)
+    if not keep_detail:
+        return ToonImage(color, mask, alpha=image.alpha)
+    before = analysis.illumination[mask]
+    detail = image.color[mask] - analysis.color_map(before)
+    kept = detail_weight(after - before, detail)[:, None] * detail
+    color[mask] = np.clip(color[mask] + kept, 0.0, 1.0)
+    return ToonImage(color, mask, alpha=image.alpha, fringe=_moved_fringe(image, color))
 
 
 def detail_weight(change: FloatArray, detail: FloatArray) -> FloatArray:

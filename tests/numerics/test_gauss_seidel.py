@@ -35,3 +35,31 @@ def test_vectors_stay_unit_and_face_the_viewer():
     field, _ = run(1)
     assert np.allclose(np.linalg.norm(field, axis=1), 1)
     assert (field[:, 2] >= 0).all()
+
+
+def plain_sweeps(problem, sweeps: int, relaxation: float):
+    """One pixel after the other, one sweep after the other, the Laplacian from scratch each time."""
+    grid, field = problem.grid, problem.start.copy()
+    rho, smoothness = 20.0, 30.0
+    for _ in range(sweeps):
+        for p in range(grid.size):
+            inside = grid.neighbors[p][grid.neighbors[p] >= 0]
+            curvature = smoothness * (len(inside) ** 2 + len(inside))
+            laplacian = grid.laplacian(field)
+            slope = laplacian[inside].sum(axis=0) - len(inside) * laplacian[p]
+            best = field[p] - (smoothness * slope / curvature if curvature else 0.0)
+            along = best @ LIGHT
+            target = np.clip(along, problem.lower[p], problem.upper[p])
+            best = best + rho * (target - along) / (curvature + rho) * LIGHT
+            best = field[p] + relaxation * (best - field[p])
+            best[2] = max(best[2], 0.0)
+            field[p] = best / np.linalg.norm(best)
+    return field
+
+
+@pytest.mark.parametrize("sweeps", [1, 2, 5])
+def test_staggered_sweeps_are_sweeps_one_after_the_other(sweeps):
+    problem, _ = random_problem(3)
+    field, report = run(3, relaxation=1.5, max_sweeps=sweeps, tolerance=0.0)
+    assert report.iterations == sweeps
+    assert np.allclose(field, plain_sweeps(problem, sweeps, 1.5), atol=1e-12)

@@ -60,8 +60,7 @@ class MaskedGrid:
     @cached_property
     def rim(self) -> BoolArray:
         """Pixels that touch the background through a side, shape (P,)."""
-        outside: BoolArray = (self.neighbors == OUTSIDE).any(axis=1)
-        return outside
+        return rim_mask(self.mask)[self.mask]
 
     def gather(self, image: NDArray[np.generic]) -> NDArray[np.generic]:
         """Image form (H, W, ...) to compact form (P, ...)."""
@@ -138,6 +137,14 @@ class MaskedGrid:
         index = np.full(mask.shape, OUTSIDE, dtype=np.int32)
         index[mask] = np.arange(int(mask.sum()), dtype=np.int32)
         return MaskedGrid(mask), index[self.rows // 2, self.columns // 2]
+
+
+def rim_mask(mask: BoolArray) -> BoolArray:
+    """Pixels of a mask that touch the background, or the picture's edge, through a side: shape (H, W)."""
+    framed = np.pad(mask, 1)
+    inside = framed[:-2, 1:-1] & framed[2:, 1:-1] & framed[1:-1, :-2] & framed[1:-1, 2:]
+    rim: BoolArray = mask & ~inside
+    return rim
 
 
 @njit(cache=True, nogil=True)
