@@ -1,0 +1,64 @@
+"""What the study compares: every method of `toonkit.METHODS`, and the trivial one that does nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from toonkit._validation import FloatArray
+from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.color_map_fit import fit_color_map
+from toonkit.methods import METHODS, Method
+from toonkit.methods.steps import StepProgress
+from toonkit.model.image import ToonImage
+from toonkit.model.light import light_direction
+from toonkit.model.normals import NormalField
+from toonkit.model.shading import illumination
+from toonkit.numerics.report import SolverReport
+from toonkit.relighting import relight
+
+TOWARD_VIEWER = light_direction(0.0, 90.0)
+
+
+@dataclass(frozen=True)
+class Contestant:
+    """
+    A method and how its result is shown.
+
+    Attributes
+    ----------
+    analyze : callable
+        A method as in `toonkit.METHODS`.
+    picture : callable, ToonAnalysis -> ToonImage
+        The input as the method explains it.
+    relight : callable, (ToonAnalysis, light (3,)) -> ToonImage
+        The input under another light.
+    """
+
+    analyze: Method
+    picture: Callable[[ToonAnalysis], ToonImage] = lambda analysis: analysis.picture
+    relight: Callable[[ToonAnalysis, FloatArray], ToonImage] = relight
+
+
+def flat(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = None) -> ToonAnalysis:
+    """Take every normal to point at the viewer: what any method must beat."""
+    vectors = np.where(image.mask[..., None], TOWARD_VIEWER, np.nan)
+    normals = NormalField(vectors, image.mask)
+    direction = np.asarray(light, dtype=np.float64)
+    color_map = fit_color_map(image, illumination(normals, direction))
+    if progress is not None:
+        progress("done", 1.0)
+    report = SolverReport(0, np.zeros(0), "nothing to refine", converged=True)
+    return ToonAnalysis(image, "flat", direction, normals, normals, color_map, report)
+
+
+FLAT = Contestant(flat, picture=lambda analysis: analysis.image, relight=lambda analysis, _: analysis.image)
+"""Flat normals and the picture unchanged, whatever the light."""
+
+
+def contestants() -> dict[str, Contestant]:
+    """Return all that can be compared now, by name: what was put into `toonkit.METHODS`, and `flat`."""
+    return {**{name: Contestant(method) for name, method in METHODS.items()}, "flat": FLAT}

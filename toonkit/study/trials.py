@@ -1,0 +1,369 @@
+"""Trials: a shape painted with a color map, analyzed by a method, and compared with the truth (Sections 4.1 to 4.3)."""
+
+from __future__ import annotations
+
+import platform
+import time
+from dataclasses import dataclass
+from functools import cache, cached_property
+from importlib.metadata import version
+from typing import Any, Literal
+
+import numpy as np
+
+import toonkit
+from toonkit._validation import FloatArray, is_number, refuse
+from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.light_fit import LightEstimate, estimate_light
+from toonkit.metrics import (
+    PictureError,
+    angular_error,
+    color_difference,
+    illumination_error,
+    picture_error,
+)
+from toonkit.model.color_map import ColorMap
+from toonkit.model.image import ToonImage
+from toonkit.model.light import light_direction
+from toonkit.model.shading import illumination, shade
+from toonkit.study.contestants import Contestant
+from toonkit.study.rendering import MIN_SIZE, RenderedShape
+
+LightTrack = Literal["given", "estimated"]
+LIGHT_TRACKS: tuple[LightTrack, ...] = ("given", "estimated")
+"""Whether a method is told the true light, as in the paper, or has to work with the estimated one."""
+
+Angles = tuple[float, float]
+
+NEW_LIGHTS: tuple[Angles, ...] = tuple(
+    (azimuth, elevation) for azimuth in (0, 90, 180, 270) for elevation in (25, 60)
+)
+
+
+@dataclass(frozen=True)
+class StudySettings:
+    """
+    What is the same for all trials of a study.
+
+    Attributes
+    ----------
+    size : int
+        Width and height of the pictures in pixels; the paper's 512.
+    light : (float, float)
+        Azimuth and elevation, in degrees, of the light L_t under which the shapes are painted.
+    new_lights : tuple of (float, float)
+        Those under which they are relit.
+    """
+
+    size: int = 512
+    light: Angles = (129.0, 50.0)
+    new_lights: tuple[Angles, ...] = NEW_LIGHTS
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.size, int) or isinstance(self.size, bool) or self.size < MIN_SIZE:
+            raise refuse("size", f"must be a whole number of pixels, at least {MIN_SIZE}", self.size)
+        if not self.new_lights:
+            raise refuse("new_lights", "must hold at least one light", "none")
+        for name, angles in (("light", self.light), *(("new_lights", angles) for angles in self.new_lights)):
+            if len(angles) != 2 or not all(is_number(angle) for angle in angles):
+                raise refuse(name, "must be azimuth and elevation in degrees", angles)
+            light_direction(*angles)
+
+
+@dataclass(frozen=True, order=True)
+class Trial:
+    """
+    One cell of the study: which shape, painted how, analyzed by what.
+
+    Attributes
+    ----------
+    shape, color_map, method : str
+        Names.
+    light_track : {"given", "estimated"}
+        Where the method's light comes from.
+    """
+
+    shape: str
+    color_map: str
+    method: str
+    light_track: LightTrack
+
+    @property
+    def key(self) -> str:
+        """A name for files: no two trials share it."""
+        return "--".join((self.shape, self.color_map, self.method, self.light_track))
+
+
+@dataclass(frozen=True)
+class Record:
+    """
+    What was measured in one trial: a row of the study's table.
+
+    Every error is a mean (or a root mean square, where the name says so) over the mask; `..._without_rim` leaves out the
+    one-pixel rim, where a pixel is half background. Relit pictures are compared in fixed sRGB, each method's by its own
+    color map, and averaged over the new lights. A trial that failed says so in `error`, and its measures are NaN.
+
+    Attributes
+    ----------
+    shape, shape_kind, color_map, method, light_track : str
+        The trial; the kind is "primitive", "complex" or "mesh".
+    size, pixels : int
+        Width of the picture, and pixels on the object.
+    light_azimuth, light_elevation : float
+        The true light, degrees.
+    light_error, light_confidence : float
+        Angle between the light used and the true one, degrees (0 where it is given), and the estimate's confidence.
+    angular_error, angular_error_without_rim, angular_error_median, angular_error_percentile_95 : float
+        Between estimated and true normals, degrees.
+    illumination_error, illumination_error_without_rim : float
+        Between estimated and true L · N, each with its own light.
+    color_map_rmse, color_map_rmse_without_rim : float
+        The true normals painted with the estimated color map, against the input; sRGB.
+    input_rmse, input_rmse_without_rim, input_difference : float
+        The input as the method explains it, against the input; sRGB, and CIEDE2000.
+    relight_rmse, relight_rmse_without_rim, relight_rmse_worst : float
+        Relit pictures against the true ones, sRGB: the mean over the new lights, and the largest.
+    relight_response, relight_response_without_rim : float
+        How much the picture changes under a new light, against how much the truth does: 1 is right, 0 no answer.
+    iterations : int
+        Of the refinement.
+    converged : bool
+        Whether it ended by itself.
+    stopped : str
+        Why it ended.
+    seconds : float
+        Wall time of the analysis; the only column that differs between two runs of the same trial.
+    error : str
+        Empty if all went well.
+    toonkit, python, numpy, scipy, numba : str
+        Versions.
+    """
+
+    shape: str
+    shape_kind: str
+    color_map: str
+    method: str
+    light_track: str
+    size: int
+    pixels: int
+    light_azimuth: float
+    light_elevation: float
+    light_error: float = np.nan
+    light_confidence: float = np.nan
+    angular_error: float = np.nan
+    angular_error_without_rim: float = np.nan
+    angular_error_median: float = np.nan
+    angular_error_percentile_95: float = np.nan
+    illumination_error: float = np.nan
+    illumination_error_without_rim: float = np.nan
+    color_map_rmse: float = np.nan
+    color_map_rmse_without_rim: float = np.nan
+    input_rmse: float = np.nan
+    input_rmse_without_rim: float = np.nan
+    input_difference: float = np.nan
+    relight_rmse: float = np.nan
+    relight_rmse_without_rim: float = np.nan
+    relight_rmse_worst: float = np.nan
+    relight_response: float = np.nan
+    relight_response_without_rim: float = np.nan
+    iterations: int = 0
+    converged: bool = False
+    stopped: str = ""
+    seconds: float = np.nan
+    error: str = ""
+    toonkit: str = ""
+    python: str = ""
+    numpy: str = ""
+    scipy: str = ""
+    numba: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Painting:
+    """
+    A shape painted with a color map: the input of a trial, and what is known about it.
+
+    Attributes
+    ----------
+    truth : RenderedShape
+        The shape, with its true normals N_t.
+    color_map : ColorMap
+        M_t.
+    settings : StudySettings
+        The lights.
+    image : ToonImage
+        c_t = M_t(L_t · N_t), with the shape's coverage as alpha.
+    relit : tuple of ToonImage
+        The truth under each of the new lights.
+    """
+
+    truth: RenderedShape
+    color_map: ColorMap
+    settings: StudySettings
+    image: ToonImage
+    relit: tuple[ToonImage, ...]
+
+    @property
+    def light(self) -> FloatArray:
+        """L_t, shape (3,)."""
+        return light_direction(*self.settings.light)
+
+    @cached_property
+    def changes(self) -> tuple[PictureError, ...]:
+        """How much the truth changes under each of the new lights."""
+        return tuple(picture_error(relit, self.image) for relit in self.relit)
+
+
+def paint(truth: RenderedShape, color_map: ColorMap, settings: StudySettings) -> Painting:
+    """
+    Paint a shape under the study's light, and under its new lights for comparison.
+
+    Parameters
+    ----------
+    truth : RenderedShape
+        The shape.
+    color_map : ColorMap
+        The color map.
+    settings : StudySettings
+        The lights.
+
+    Returns
+    -------
+    Painting
+        The input and the truth.
+    """
+    painted = shade(truth.normals, light_direction(*settings.light), color_map)
+    image = ToonImage(painted.color, painted.mask, alpha=truth.coverage)
+    lights = (light_direction(*angles) for angles in settings.new_lights)
+    relit = tuple(shade(truth.normals, light, color_map) for light in lights)
+    return Painting(truth, color_map, settings, image, relit)
+
+
+def run_trial(trial: Trial, shape_kind: str, painting: Painting, contestant: Contestant) -> Record:
+    """
+    Analyze a painting and measure the outcome.
+
+    Parameters
+    ----------
+    trial : Trial
+        What this is called in the table.
+    shape_kind : str
+        The shape's kind.
+    painting : Painting
+        The input and the truth.
+    contestant : Contestant
+        The method.
+
+    Returns
+    -------
+    Record
+        With measures, or with the error that the method, or the comparison of its result, ended in.
+    """
+    azimuth, elevation = painting.settings.light
+    identity: dict[str, Any] = {
+        "shape": trial.shape,
+        "shape_kind": shape_kind,
+        "color_map": trial.color_map,
+        "method": trial.method,
+        "light_track": trial.light_track,
+        "size": painting.settings.size,
+        "pixels": int(painting.image.mask.sum()),
+        "light_azimuth": float(azimuth),
+        "light_elevation": float(elevation),
+        **versions(),
+    }
+    try:
+        measures = _measured(trial, painting, contestant)
+    except Exception as error:  # whatever a method does wrong is its result in this trial
+        return Record(**identity, error=f"{type(error).__name__}: {error}")
+    return Record(**identity, **measures)
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Return the versions that a record carries."""
+    packages = {name: version(name) for name in ("numpy", "scipy", "numba")}
+    return {"toonkit": toonkit.__version__, "python": platform.python_version(), **packages}
+
+
+def _measured(trial: Trial, painting: Painting, contestant: Contestant) -> dict[str, Any]:
+    estimate = LightEstimate(painting.light, 1.0)
+    if trial.light_track == "estimated":
+        estimate = estimate_light(painting.image)
+    start = time.perf_counter()
+    analysis = contestant.analyze(painting.image, estimate.light)
+    seconds = time.perf_counter() - start
+    return {
+        "light_error": _angle(estimate.light, painting.light),
+        "light_confidence": float(estimate.confidence),
+        **_compared(analysis, painting),
+        **_repainted(analysis, painting, contestant),
+        **_relit(analysis, painting, contestant),
+        "iterations": int(analysis.report.iterations),
+        "converged": bool(analysis.report.converged),
+        "stopped": str(analysis.report.reason),
+        "seconds": seconds,
+    }
+
+
+def _compared(analysis: ToonAnalysis, painting: Painting) -> dict[str, float]:
+    """Measure the normals, and the illumination they give."""
+    normals = painting.truth.normals
+    angle = angular_error(analysis.normals, normals)
+    light = illumination_error(
+        analysis.illumination, illumination(normals, painting.light), painting.image.mask
+    )
+    return {
+        "angular_error": angle.mean,
+        "angular_error_without_rim": angle.mean_without_rim,
+        "angular_error_median": angle.median,
+        "angular_error_percentile_95": angle.percentile_95,
+        "illumination_error": light.mean,
+        "illumination_error_without_rim": light.mean_without_rim,
+    }
+
+
+def _repainted(analysis: ToonAnalysis, painting: Painting, contestant: Contestant) -> dict[str, float]:
+    """Measure the input as the method explains it, and its color map apart from its normals."""
+    picture = contestant.picture(analysis)
+    fit = picture_error(picture, painting.image)
+    by_truth = shade(painting.truth.normals, painting.light, analysis.color_map)
+    color_map = picture_error(by_truth, painting.image)
+    return {
+        "color_map_rmse": color_map.rmse,
+        "color_map_rmse_without_rim": color_map.rmse_without_rim,
+        "input_rmse": fit.rmse,
+        "input_rmse_without_rim": fit.rmse_without_rim,
+        "input_difference": color_difference(picture, painting.image).mean,
+    }
+
+
+def _relit(analysis: ToonAnalysis, painting: Painting, contestant: Contestant) -> dict[str, float]:
+    """Measure the relit pictures; the response is the `toonkit.relight_response`."""
+    before = contestant.picture(analysis)
+    rows = []
+    for angles, truth, true_change in zip(
+        painting.settings.new_lights, painting.relit, painting.changes, strict=True
+    ):
+        relit = contestant.relight(analysis, light_direction(*angles))
+        error, change = picture_error(relit, truth), picture_error(relit, before)
+        rows.append(
+            (
+                error.rmse,
+                error.rmse_without_rim,
+                change.rmse / true_change.rmse,
+                change.rmse_without_rim / true_change.rmse_without_rim,
+            )
+        )
+    rmse, rmse_without_rim, response, response_without_rim = np.array(rows).T
+    return {
+        "relight_rmse": float(rmse.mean()),
+        "relight_rmse_without_rim": float(rmse_without_rim.mean()),
+        "relight_rmse_worst": float(rmse.max()),
+        "relight_response": float(response.mean()),
+        "relight_response_without_rim": float(response_without_rim.mean()),
+    }
+
+
+def _angle(a: FloatArray, b: FloatArray) -> float:
+    return float(np.rad2deg(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b)))
