@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import platform
 import time
-from dataclasses import dataclass
-from functools import cache, cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property
 from importlib.metadata import version
 from typing import Any, Literal
 
@@ -107,10 +107,12 @@ class Record:
     ----------
     shape, shape_kind, color_map, method, light_track : str
         The trial; the kind is "primitive", "complex" or "mesh".
-    size, pixels : int
-        Width of the picture, and pixels on the object.
+    size : int
+        Width of the picture in pixels.
     light_azimuth, light_elevation : float
         The true light, degrees.
+    pixels : int
+        On the object.
     light_error, light_confidence : float
         Angle between the light used and the true one, degrees (0 where it is given), and the estimate's confidence.
     angular_error, angular_error_without_rim, angular_error_median, angular_error_percentile_95 : float
@@ -145,9 +147,9 @@ class Record:
     method: str
     light_track: str
     size: int
-    pixels: int
     light_azimuth: float
     light_elevation: float
+    pixels: int = 0
     light_error: float = np.nan
     light_confidence: float = np.nan
     angular_error: float = np.nan
@@ -259,31 +261,34 @@ def run_trial(trial: Trial, shape_kind: str, painting: Painting, contestant: Con
     Record
         With measures, or with the error that the method, or the comparison of its result, ended in.
     """
-    azimuth, elevation = painting.settings.light
-    identity: dict[str, Any] = {
-        "shape": trial.shape,
-        "shape_kind": shape_kind,
-        "color_map": trial.color_map,
-        "method": trial.method,
-        "light_track": trial.light_track,
-        "size": painting.settings.size,
-        "pixels": int(painting.image.mask.sum()),
-        "light_azimuth": float(azimuth),
-        "light_elevation": float(elevation),
-        **versions(),
-    }
+    record = unmeasured(trial, shape_kind, painting.settings)
     try:
-        measures = _measured(trial, painting, contestant)
+        return replace(
+            record, pixels=int(painting.image.mask.sum()), **_measured(trial, painting, contestant)
+        )
     except Exception as error:  # whatever a method does wrong is its result in this trial
-        return Record(**identity, error=f"{type(error).__name__}: {error}")
-    return Record(**identity, **measures)
+        return replace(record, error=f"{type(error).__name__}: {error}")
 
 
-@cache
-def versions() -> dict[str, str]:
-    """Return the versions that a record carries."""
-    packages = {name: version(name) for name in ("numpy", "scipy", "numba")}
-    return {"toonkit": toonkit.__version__, "python": platform.python_version(), **packages}
+def unmeasured(trial: Trial, shape_kind: str, settings: StudySettings, *, error: str = "") -> Record:
+    """Return the record of a trial with everything but measures: NaN stands for them."""
+    azimuth, elevation = settings.light
+    return Record(
+        shape=trial.shape,
+        shape_kind=shape_kind,
+        color_map=trial.color_map,
+        method=trial.method,
+        light_track=trial.light_track,
+        size=settings.size,
+        light_azimuth=float(azimuth),
+        light_elevation=float(elevation),
+        error=error,
+        toonkit=toonkit.__version__,
+        python=platform.python_version(),
+        numpy=version("numpy"),
+        scipy=version("scipy"),
+        numba=version("numba"),
+    )
 
 
 def _measured(trial: Trial, painting: Painting, contestant: Contestant) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The command line: `toonkit analyze`, `toonkit relight`, `toonkit samples`.
+"""The command line: `toonkit analyze`, `toonkit relight`, `toonkit samples`, `toonkit study`.
 
 Everything heavy is imported inside the commands, so that `toonkit --version` and `--help` answer at once.
 """
@@ -8,15 +8,16 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from toonkit._validation import ToonkitError, refuse
+from toonkit.cli.lights import parse_light
+from toonkit.cli.progress import StepBar
+from toonkit.cli.study import add_study_commands
 
 if TYPE_CHECKING:
-    from toonkit._validation import FloatArray
     from toonkit.analysis import ToonAnalysis
 
 METHOD_NAMES = ("toonkit", "todo", "lumo", "lambert")
@@ -26,7 +27,6 @@ SAMPLE_PREFIX = "sample:"
 
 _EXIT_REFUSED = 2
 _EXIT_INTERRUPTED = 130
-_BAR = "{desc:<24.24}|{bar}| {percentage:3.0f}% {elapsed}"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -125,6 +125,7 @@ def _parser() -> argparse.ArgumentParser:
 
     samples = commands.add_parser("samples", help="list the drawings that toonkit ships")
     samples.set_defaults(run=_samples)
+    add_study_commands(commands)
     return parser
 
 
@@ -132,21 +133,11 @@ def _joined_lights(argv: Sequence[str]) -> list[str]:
     """Join `--light -30,50` into `--light=-30,50`: argparse takes a leading minus for an option."""
     joined: list[str] = []
     for argument in argv:
-        if joined and joined[-1] == "--light" and re.match(r"-[\d.]", argument):
-            joined[-1] = f"--light={argument}"
+        if joined and joined[-1] in ("--light", "--view") and re.match(r"-[\d.]", argument):
+            joined[-1] += f"={argument}"
         else:
             joined.append(argument)
     return joined
-
-
-def _parse_light(text: str) -> FloatArray:
-    from toonkit.model.light import light_direction  # noqa: PLC0415
-
-    try:
-        azimuth, elevation = (float(part) for part in text.split(","))
-    except ValueError:
-        raise refuse("--light", "must be AZIMUTH,ELEVATION in degrees, such as 135,45", repr(text)) from None
-    return light_direction(azimuth, elevation)
 
 
 def _analyze(arguments: argparse.Namespace) -> int:
@@ -154,8 +145,8 @@ def _analyze(arguments: argparse.Namespace) -> int:
     from toonkit.export.folder import make_folder, write_analysis_folder  # noqa: PLC0415
     from toonkit.metrics import color_rmse  # noqa: PLC0415
 
-    given = None if arguments.light == "auto" else _parse_light(arguments.light)
-    with _Progress(visible=not arguments.quiet) as progress:
+    given = None if arguments.light == "auto" else parse_light(arguments.light)
+    with StepBar(visible=not arguments.quiet) as progress:
         progress("reading the drawing", 0.0)
         image = toonkit.load_image(_drawing(arguments.drawing), mask=arguments.mask)
         folder = make_folder(arguments.out)  # before the long work, so that a bad name costs no time
@@ -204,7 +195,7 @@ def _relight(arguments: argparse.Namespace) -> int:
         raise refuse("relight", "needs -o FILE beside --light", "no -o")
     if arguments.orbit is not None and arguments.out is not None:
         raise refuse("relight", "takes the animation's name from --orbit alone", f"-o {arguments.out} too")
-    light = None if arguments.light is None else _parse_light(arguments.light)
+    light = None if arguments.light is None else parse_light(arguments.light)
 
     from toonkit.export.animation import write_orbit  # noqa: PLC0415
     from toonkit.export.archive import load_analysis  # noqa: PLC0415
@@ -220,7 +211,7 @@ def _relight(arguments: argparse.Namespace) -> int:
         write_picture(relight(analysis, light, keep_detail=keep_detail), target)
     else:
         target = arguments.orbit
-        with _Progress(visible=not arguments.quiet) as progress:
+        with StepBar(visible=not arguments.quiet) as progress:
             write_orbit(
                 analysis,
                 target,
@@ -254,35 +245,3 @@ def _drawing(name: str) -> str | Path:
     if sample not in names:
         raise refuse("drawing", f"must be one of {', '.join(names)} after {SAMPLE_PREFIX}", repr(sample))
     return Path(samples.sample_path(sample))
-
-
-class _Progress:
-    """Callback that moves a bar on stderr, if that is a terminal, and keeps the time of each step."""
-
-    def __init__(self, *, visible: bool) -> None:
-        from tqdm import tqdm  # noqa: PLC0415
-
-        self._bar = tqdm(
-            total=1.0, bar_format=_BAR, file=sys.stderr, leave=False, disable=None if visible else True
-        )
-        self._steps: list[tuple[str, float]] = []
-
-    def __enter__(self) -> _Progress:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._bar.close()
-
-    def __call__(self, step: str, fraction: float) -> None:
-        self._bar.update(min(max(fraction, 0.0), 1.0) - self._bar.n)
-        if not self._steps or self._steps[-1][0] != step:
-            self._steps.append((step, time.perf_counter()))
-            self._bar.set_description_str(step)
-
-    def seconds(self) -> dict[str, float]:
-        """Return the seconds spent in each step so far; a step entered twice counts once, with both times."""
-        ends = [start for _, start in self._steps[1:]] + [time.perf_counter()]
-        spent: dict[str, float] = {}
-        for (step, start), end in zip(self._steps, ends, strict=True):
-            spent[step] = round(spent.get(step, 0.0) + end - start, 4)
-        return spent

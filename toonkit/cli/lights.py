@@ -1,0 +1,27 @@
+"""Lights as they are typed: AZIMUTH,ELEVATION in degrees."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from toonkit._validation import refuse
+
+if TYPE_CHECKING:
+    from toonkit._validation import FloatArray
+
+
+def parse_light(text: str) -> FloatArray:
+    """Return the direction, shape (3,), of a light typed as AZIMUTH,ELEVATION; raises `ToonkitError` for anything else."""
+    from toonkit.model.light import light_direction  # noqa: PLC0415
+
+    azimuth, elevation = parse_angles(text)
+    return light_direction(azimuth, elevation)
+
+
+def parse_angles(text: str) -> tuple[float, float]:
+    """Return azimuth and elevation, degrees, as typed; raises `ToonkitError` for anything else."""
+    try:
+        azimuth, elevation = (float(part) for part in text.split(","))
+    except ValueError:
+        raise refuse("--light", "must be AZIMUTH,ELEVATION in degrees, such as 135,45", repr(text)) from None
+    return azimuth, elevation

@@ -1,0 +1,193 @@
+"""The command line of the study: `toonkit study run`, `toonkit study report`, `toonkit study list`."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from toonkit._validation import ToonkitError, refuse
+from toonkit.cli.lights import parse_angles
+from toonkit.cli.progress import TrialBar
+
+if TYPE_CHECKING:
+    from toonkit.study.plan import StudyPlan
+    from toonkit.study.registry import View
+
+
+def add_study_commands(commands: Any) -> None:
+    """Add `study` and what it can do to the parser's commands."""
+    study = commands.add_parser("study", help="measure every method on shapes whose normals are known")
+    actions = study.add_subparsers(required=True, metavar="ACTION", title="actions")
+    _add_run(actions.add_parser("run", help="run the trials that are not on file yet"))
+
+    report = actions.add_parser("report", help="print the tables of a study and write its figures")
+    report.add_argument(
+        "study", help="the folder of `toonkit study run`, or its trials.parquet or trials.csv"
+    )
+    report.add_argument(
+        "-o", "--out", metavar="FOLDER", help="where to write; report/ in the study's folder by default"
+    )
+    report.add_argument("--quiet", action="store_true", help="write without printing")
+    report.set_defaults(run=_report)
+
+    listing = actions.add_parser("list", help="list the shapes, color maps and methods")
+    listing.set_defaults(run=_list)
+
+
+def _add_run(run: argparse.ArgumentParser) -> None:
+    run.add_argument(
+        "-o",
+        "--out",
+        required=True,
+        metavar="FOLDER",
+        help="the study's folder; where one was interrupted, it goes on",
+    )
+    run.add_argument(
+        "--shapes", nargs="+", metavar="NAME", help="shapes; all by default, or none if there is a --mesh"
+    )
+    run.add_argument("--maps", nargs="+", metavar="NAME", help="color maps (default: all)")
+    run.add_argument("--methods", nargs="+", metavar="NAME", help="methods (default: all, and flat)")
+    run.add_argument(
+        "--mesh",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="a mesh as a further shape, or pyvista:NAME for one that PyVista downloads; may be repeated",
+    )
+    run.add_argument(
+        "--view",
+        action=_ViewOfLastMesh,
+        dest="views",
+        default={},
+        metavar="YAW,PITCH,ROLL",
+        help="from where the mesh named before it is seen, in degrees",
+    )
+    run.add_argument(
+        "--size", type=int, metavar="PIXELS", help="width and height of the pictures (default: 512)"
+    )
+    run.add_argument("--light", metavar="AZ,EL", help="the light the shapes are painted under, in degrees")
+    run.add_argument(
+        "--tracks",
+        nargs="+",
+        default=["given"],
+        metavar="TRACK",
+        help="given: the methods are told the true light (default); estimated: they are not",
+    )
+    where = run.add_mutually_exclusive_group()
+    where.add_argument(
+        "--workers",
+        type=int,
+        metavar="N",
+        help="processes (default: one for each core); 0 runs in this one",
+    )
+    where.add_argument(
+        "--scheduler", metavar="ADDRESS", help="dask scheduler whose workers do the work, tcp://HOST:PORT"
+    )
+    run.add_argument("--quiet", action="store_true", help="no progress bar and no summary")
+    run.set_defaults(run=_run)
+
+
+class _ViewOfLastMesh(argparse.Action):
+    """Keep a view under the number of the mesh that was named before it."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: str | Sequence[Any] | None,
+        option_string: str | None = None,
+    ) -> None:
+        if not namespace.mesh:
+            parser.error(f"{option_string} must come after the --mesh that it is the view of")
+        views = dict(getattr(namespace, self.dest))
+        views[len(namespace.mesh) - 1] = values
+        setattr(namespace, self.dest, views)
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    _refuse_without_extra()
+    from toonkit.study.runner import run_study  # noqa: PLC0415
+    from toonkit.study.table import TABLE_NAME  # noqa: PLC0415
+
+    plan = _plan(arguments)
+    with TrialBar(visible=not arguments.quiet) as bar:
+        table = run_study(
+            plan, arguments.out, workers=arguments.workers, scheduler=arguments.scheduler, progress=bar
+        )
+    if not arguments.quiet:
+        failed = int((table["error"] != "").sum())
+        print(f"{len(table):,} trials on file, {failed:,} of them failed: {Path(arguments.out) / TABLE_NAME}")
+        print(f"tables and figures: toonkit study report {arguments.out}")
+    return 0
+
+
+def _plan(arguments: argparse.Namespace) -> StudyPlan:
+    from toonkit.study.plan import plan_study  # noqa: PLC0415
+    from toonkit.study.subjects import load_mesh  # noqa: PLC0415
+    from toonkit.study.trials import StudySettings  # noqa: PLC0415
+
+    settings = StudySettings()
+    if arguments.size is not None:
+        settings = replace(settings, size=arguments.size)
+    if arguments.light is not None:
+        settings = replace(settings, light=parse_angles(arguments.light))
+    meshes = [
+        load_mesh(source, _parse_view(arguments.views.get(number)))
+        for number, source in enumerate(arguments.mesh)
+    ]
+    return plan_study(
+        shapes=arguments.shapes,
+        meshes=meshes,
+        color_maps=arguments.maps,
+        methods=arguments.methods,
+        light_tracks=arguments.tracks,
+        settings=settings,
+    )
+
+
+def _parse_view(text: str | None) -> View | None:
+    if text is None:
+        return None
+    from toonkit.study.registry import View  # noqa: PLC0415
+
+    try:
+        yaw, pitch, roll = (float(part) for part in text.split(","))
+    except ValueError:
+        raise refuse("--view", "must be YAW,PITCH,ROLL in degrees, such as 35,10,0", repr(text)) from None
+    return View(yaw, pitch, roll)
+
+
+def _report(arguments: argparse.Namespace) -> int:
+    _refuse_without_extra()
+    return 0
+
+
+def _list(_: argparse.Namespace) -> int:
+    from toonkit.study.color_maps import load_ramps  # noqa: PLC0415
+    from toonkit.study.contestants import contestants  # noqa: PLC0415
+    from toonkit.study.shapes import SHAPES  # noqa: PLC0415
+
+    print("shapes")
+    for shape in SHAPES.values():
+        print(f"  {shape.name:<14}{shape.kind}")
+    print("color maps")
+    for ramp in load_ramps().values():
+        print(f"  {ramp.name:<18}{len(ramp.tones)} tones  {', '.join(ramp.tags)}")
+    print("methods")
+    for name in contestants():
+        print(f"  {name}")
+    return 0
+
+
+def _refuse_without_extra() -> None:
+    try:
+        import distributed  # noqa: F401, PLC0415
+        import pandas  # noqa: F401, PLC0415
+        import pyarrow  # noqa: F401, PLC0415
+    except ImportError as error:
+        raise ToonkitError(
+            f'study needs its extra packages; got no {error.name}: pip install "toonkit[study]"'
+        ) from error

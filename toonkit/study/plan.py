@@ -1,0 +1,166 @@
+"""StudyPlan: which shapes, color maps and methods a study compares, and under which lights."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from toonkit._validation import refuse
+from toonkit.model.color_map import ColorMap
+from toonkit.study.color_maps import load_color_maps
+from toonkit.study.contestants import Contestant, contestants
+from toonkit.study.shapes import SHAPES
+from toonkit.study.subjects import MeshShape, Subject, subject_digest
+from toonkit.study.trials import LIGHT_TRACKS, LightTrack, StudySettings, Trial
+
+Named = TypeVar("Named")
+
+_NAME = re.compile(r"[A-Za-z0-9]+([_.-]?[A-Za-z0-9]+)*")
+
+
+@dataclass(frozen=True, eq=False)
+class StudyPlan:
+    """
+    The trials of a study.
+
+    Attributes
+    ----------
+    subjects : dict
+        Shapes and meshes by name.
+    color_maps : dict
+        Color maps by name.
+    methods : dict
+        Contestants by name.
+    light_tracks : tuple of str
+        Of "given" and "estimated".
+    settings : StudySettings
+        Size and lights.
+    """
+
+    subjects: dict[str, Subject]
+    color_maps: dict[str, ColorMap]
+    methods: dict[str, Contestant]
+    light_tracks: tuple[LightTrack, ...] = ("given",)
+    settings: StudySettings = field(default_factory=StudySettings)
+
+    def cells(self) -> list[list[Trial]]:
+        """Return the trials, those of one shape and one color map together: they share a painting."""
+        return [
+            [Trial(shape, color_map, method, track) for track in self.light_tracks for method in self.methods]
+            for shape in self.subjects
+            for color_map in self.color_maps
+        ]
+
+    def digests(self) -> dict[str, dict[str, str]]:
+        """Return what tells whether a shape, color map or method is still the one of an older record."""
+        return {
+            "shape": {name: subject_digest(subject) for name, subject in self.subjects.items()},
+            "color_map": {name: _color_map_digest(value) for name, value in self.color_maps.items()},
+            "method": {name: _method_digest(contestant) for name, contestant in self.methods.items()},
+        }
+
+
+def plan_study(
+    *,
+    shapes: Iterable[str] | None = None,
+    meshes: Sequence[MeshShape] = (),
+    color_maps: Iterable[str] | Mapping[str, ColorMap] | None = None,
+    methods: Iterable[str] | None = None,
+    light_tracks: Sequence[LightTrack] = ("given",),
+    settings: StudySettings | None = None,
+) -> StudyPlan:
+    """
+    Choose what a study compares; everything there is, unless told otherwise.
+
+    Parameters
+    ----------
+    shapes : iterable of str, optional
+        Names in `SHAPES`; all of them by default, or none if there are meshes.
+    meshes : sequence of MeshShape, optional
+        Further shapes.
+    color_maps : iterable of str or mapping, optional
+        Names among the study's color maps, or further ones by name.
+    methods : iterable of str, optional
+        Names in `toonkit.METHODS`, or "flat".
+    light_tracks : sequence of str, optional
+        Of "given" and "estimated".
+    settings : StudySettings, optional
+        Size and lights.
+
+    Returns
+    -------
+    StudyPlan
+        To be handed to `run_study`.
+
+    Raises
+    ------
+    ToonkitError
+        If a name is unknown, is taken twice, or could not name a file, or if nothing is left to do.
+
+    Examples
+    --------
+    >>> plan = plan_study(shapes=["cat", "torus"], color_maps=["terracotta"], methods=["todo", "flat"])
+    >>> len(plan.cells()), len(plan.cells()[0])
+    (2, 2)
+    """
+    if shapes is None:
+        shapes = () if meshes else SHAPES
+    subjects: dict[str, Subject] = dict(_chosen("shapes", shapes, SHAPES))
+    for mesh in meshes:
+        if mesh.name in subjects:
+            raise refuse("meshes", "must have names of their own", f"{mesh.name!r} twice")
+        subjects[mesh.name] = mesh
+    if isinstance(color_maps, Mapping):
+        maps = dict(color_maps)
+    else:
+        known = load_color_maps()
+        maps = _chosen("color_maps", known if color_maps is None else color_maps, known)
+    known_methods = contestants()
+    chosen_methods = _chosen("methods", known_methods if methods is None else methods, known_methods)
+    tracks: dict[str, LightTrack] = _chosen(
+        "light_tracks", light_tracks, {track: track for track in LIGHT_TRACKS}
+    )
+    plan = StudyPlan(subjects, maps, chosen_methods, tuple(tracks.values()), settings or StudySettings())
+    _refuse_bad_names(plan)
+    return plan
+
+
+def _chosen(argument: str, names: Iterable[str], known: Mapping[str, Named]) -> dict[str, Named]:
+    wanted = [names] if isinstance(names, str) else list(names)
+    for name in wanted:
+        if name not in known:
+            raise refuse(argument, f"must be among {', '.join(known)}", repr(name))
+    if len(set(wanted)) < len(wanted):
+        raise refuse(argument, "must be named once", ", ".join(wanted))
+    return {name: known[name] for name in wanted}
+
+
+def _refuse_bad_names(plan: StudyPlan) -> None:
+    groups = {"shapes": [*plan.subjects], "color_maps": [*plan.color_maps], "methods": [*plan.methods]}
+    for argument, names in groups.items():
+        if not names:
+            raise refuse(argument, "must hold at least one name", "none")
+        for name in names:
+            if not _NAME.fullmatch(name):
+                raise refuse(argument, "must be named with letters, digits and single _ . or -", repr(name))
+    if not plan.light_tracks:
+        raise refuse("light_tracks", "must hold at least one name", "none")
+
+
+def _color_map_digest(color_map: ColorMap) -> str:
+    return hashlib.sha256(color_map.colors.tobytes() + repr(color_map.domain).encode()).hexdigest()
+
+
+def _method_digest(contestant: Contestant) -> str:
+    """Digest a method's own source; what it calls in toonkit is known by the digest of the package."""
+    function = contestant.analyze
+    try:
+        source = inspect.getsource(function)
+    except (OSError, TypeError):  # typed at a prompt, or a callable object
+        code = getattr(function, "__code__", None)
+        source = repr(function) if code is None else f"{code.co_code!r}{code.co_consts!r}"
+    return hashlib.sha256(source.encode()).hexdigest()

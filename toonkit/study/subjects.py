@@ -1,0 +1,132 @@
+"""What is rendered: a shape of the study, or a mesh file given as a further one."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toonkit._validation import ToonkitError, refuse
+from toonkit.study.registry import BOUND, Shape, View
+from toonkit.study.rendering import RenderedShape, render_mesh, render_shape
+
+if TYPE_CHECKING:
+    import trimesh
+
+EXAMPLE_PREFIX = "pyvista:"
+"""`pyvista:bunny` is the mesh that `pyvista.examples.download_bunny` fetches."""
+
+_PROBES = np.random.default_rng(0).uniform(-BOUND, BOUND, (4096, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class MeshShape:
+    """
+    A triangle mesh as a further shape.
+
+    Attributes
+    ----------
+    name : str
+        Its name in the table.
+    mesh : trimesh.Trimesh
+        The mesh, y up and its front toward +z.
+    view : View
+        From where it is seen.
+    """
+
+    name: str
+    mesh: trimesh.Trimesh
+    view: View = field(default_factory=View)
+
+    @property
+    def kind(self) -> str:
+        """Return "mesh"."""
+        return "mesh"
+
+
+Subject = Shape | MeshShape
+
+
+def load_mesh(source: str | Path, view: View | None = None) -> MeshShape:
+    """
+    Read a mesh as a further shape of the study.
+
+    Parameters
+    ----------
+    source : path or str
+        A file that trimesh reads (obj, ply, stl, glb, off, ...), or `pyvista:NAME` for a mesh that PyVista
+        downloads, such as `pyvista:bunny`.
+    view : View, optional
+        From where it is seen; its front by default.
+
+    Returns
+    -------
+    MeshShape
+        Named after the file, without its suffix.
+
+    Raises
+    ------
+    ToonkitError
+        If the file is missing or holds no triangles, the example is unknown, or it cannot be downloaded.
+    """
+    text = str(source)
+    if text.startswith(EXAMPLE_PREFIX):
+        name = text.removeprefix(EXAMPLE_PREFIX)
+        mesh = _example(name)
+    else:
+        path = Path(source).expanduser()
+        name, mesh = path.stem, _from_file(path)
+    if len(mesh.faces) == 0:
+        raise refuse("mesh", "must have triangles", f"{text} without any")
+    return MeshShape(re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or "mesh", mesh, view or View())
+
+
+def render(subject: Subject, size: int) -> RenderedShape:
+    """Render a shape or a mesh from its own view, shape (size, size); raises as `render_shape` and `render_mesh` do."""
+    if isinstance(subject, Shape):
+        return render_shape(subject, size)
+    view = subject.view
+    return render_mesh(subject.mesh, size, yaw=view.yaw, pitch=view.pitch, roll=view.roll)
+
+
+def subject_digest(subject: Subject) -> str:
+    """Return a digest of what a subject looks like: its distances at fixed places or its triangles, and its view."""
+    digest = hashlib.sha256(repr(subject.view).encode())
+    if isinstance(subject, Shape):
+        digest.update(np.round(subject.distance(_PROBES), 9).tobytes())
+    else:
+        digest.update(np.ascontiguousarray(subject.mesh.vertices, dtype=np.float64).tobytes())
+        digest.update(np.ascontiguousarray(subject.mesh.faces, dtype=np.int64).tobytes())
+    return digest.hexdigest()
+
+
+def _from_file(path: Path) -> trimesh.Trimesh:
+    import trimesh  # noqa: PLC0415  # takes seconds, and most studies read no mesh
+
+    if not path.is_file():
+        raise refuse("mesh", "must be a file", f"{path}")
+    try:
+        loaded = trimesh.load(path, force="mesh")
+    except Exception as error:  # whatever its many readers raise
+        raise refuse("mesh", "must be a file that trimesh reads", f"{path} ({error})") from error
+    if not isinstance(loaded, trimesh.Trimesh):
+        raise refuse("mesh", "must hold triangles", f"{path}")
+    return loaded
+
+
+def _example(name: str) -> trimesh.Trimesh:
+    import trimesh  # noqa: PLC0415
+    from pyvista import examples  # noqa: PLC0415
+
+    download = getattr(examples, f"download_{name}", None)
+    if download is None:
+        raise refuse("mesh", "must be an example of PyVista after pyvista:", repr(name))
+    try:
+        surface = download().extract_surface().triangulate()
+    except Exception as error:  # no network, or an example that is no surface
+        raise ToonkitError(f"mesh must be downloadable; got pyvista:{name} ({error})") from error
+    return trimesh.Trimesh(surface.points, surface.faces.reshape(-1, 4)[:, 1:])

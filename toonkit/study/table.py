@@ -1,0 +1,153 @@
+"""The study's table on disk: one row a trial, as Parquet or CSV, with a sidecar that says where it comes from."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from toonkit._validation import ToonkitError, refuse
+from toonkit.export.atomic import PathLike, atomic_write
+from toonkit.study.trials import Record, StudySettings
+
+TABLE_NAME = "trials.parquet"
+CSV_NAME = "trials.csv"
+PROVENANCE_NAME = "study.json"
+
+TRIAL_COLUMNS = ["shape", "color_map", "method", "light_track"]
+"""What tells one trial from another, and the order of the rows."""
+
+TIMING_COLUMNS = ["seconds"]
+"""The columns that differ between two runs of the same trials on the same machine."""
+
+_TYPES = {"str": "str", "int": "int64", "float": "float64", "bool": "bool"}
+COLUMN_TYPES: dict[str, str] = {field.name: _TYPES[str(field.type)] for field in fields(Record)}
+"""The columns of the table, and their types."""
+
+CSV_DIGITS = 6
+
+
+def as_table(records: Iterable[Record]) -> pd.DataFrame:
+    """
+    Return records as a table.
+
+    Parameters
+    ----------
+    records : iterable of Record
+        In any order.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row a record, sorted by `TRIAL_COLUMNS`; its columns and types are `COLUMN_TYPES`, whatever the records.
+    """
+    rows = pd.DataFrame([asdict(record) for record in records], columns=list(COLUMN_TYPES))
+    return rows.astype(COLUMN_TYPES).sort_values(TRIAL_COLUMNS, ignore_index=True)
+
+
+def write_table(trials: pd.DataFrame, folder: PathLike) -> Path:
+    """Write a table into a study's folder as Parquet, whole or not at all; return its path."""
+    path = Path(folder) / TABLE_NAME
+    with atomic_write(path) as file:
+        trials.to_parquet(file, index=False)
+    return path
+
+
+def write_csv(trials: pd.DataFrame, path: PathLike) -> Path:
+    """Write a table as CSV with `CSV_DIGITS` significant digits, whole or not at all; return its path."""
+    text = trials.to_csv(index=False, float_format=f"%.{CSV_DIGITS}g")
+    with atomic_write(path) as file:
+        file.write(text.encode())
+    return Path(path)
+
+
+def load_trials(source: PathLike) -> pd.DataFrame:
+    """
+    Read a study's table.
+
+    Parameters
+    ----------
+    source : path
+        A study's folder, or its `trials.parquet` or `trials.csv`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row a trial; the columns are the fields of `toonkit.study.trials.Record`.
+
+    Raises
+    ------
+    ToonkitError
+        If there is no table, or a file is not one.
+    """
+    path = _table_path(Path(source).expanduser())
+    try:
+        table = pd.read_csv(path, keep_default_na=True) if path.suffix == ".csv" else pd.read_parquet(path)
+    except (OSError, ValueError) as error:
+        raise refuse("source", "must be the table of a study", f"{path} ({error})") from error
+    missing = [name for name in COLUMN_TYPES if name not in table.columns]
+    if missing:
+        raise refuse("source", f"must have the column {missing[0]}", f"{path} without it")
+    texts = {name: "" for name, kind in COLUMN_TYPES.items() if kind == "str"}
+    return table[list(COLUMN_TYPES)].fillna(texts).astype(COLUMN_TYPES)
+
+
+def load_provenance(source: PathLike) -> dict[str, Any]:
+    """
+    Read the sidecar of a study's table.
+
+    Parameters
+    ----------
+    source : path
+        As of `load_trials`.
+
+    Returns
+    -------
+    dict
+        Settings, versions, shapes, color maps, methods and runs.
+
+    Raises
+    ------
+    ToonkitError
+        If it is missing or no JSON.
+    """
+    path = Path(source).expanduser()
+    path = (path if path.is_dir() else path.parent) / PROVENANCE_NAME
+    try:
+        provenance: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise refuse("source", f"must have a {PROVENANCE_NAME} beside its table", f"{path}") from error
+    return provenance
+
+
+def settings_of(source: PathLike) -> StudySettings:
+    """Return the settings under which a study's trials were made; raises as `load_provenance` does."""
+    return settings_from(load_provenance(source)["settings"])
+
+
+def settings_from(stored: dict[str, Any]) -> StudySettings:
+    """Return settings from their JSON form."""
+    lights = tuple((float(azimuth), float(elevation)) for azimuth, elevation in stored["new_lights"])
+    azimuth, elevation = stored["light"]
+    return StudySettings(
+        size=int(stored["size"]), light=(float(azimuth), float(elevation)), new_lights=lights
+    )
+
+
+def _table_path(source: Path) -> Path:
+    if not source.is_dir():
+        if not source.is_file():
+            raise refuse(
+                "source", "must be a study's folder or table; `toonkit study run` makes one", f"{source}"
+            )
+        return source
+    for name in (TABLE_NAME, CSV_NAME):
+        if (source / name).is_file():
+            return source / name
+    raise ToonkitError(
+        f"source must hold {TABLE_NAME} or {CSV_NAME}; got {source} without them: `toonkit study run -o {source}` makes one"
+    )
