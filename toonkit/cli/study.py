@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import logging
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -113,6 +114,8 @@ def _run(arguments: argparse.Namespace) -> int:
     from toonkit.study.table import TABLE_NAME  # noqa: PLC0415
 
     plan = _plan(arguments)
+    # A lost scheduler is told in one line: dask's own stack traces say no more.
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
     with TrialBar(visible=not arguments.quiet) as bar:
         table = run_study(
             plan, arguments.out, workers=arguments.workers, scheduler=arguments.scheduler, progress=bar
