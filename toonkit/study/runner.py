@@ -207,7 +207,7 @@ def _cluster(workers: int | None, scheduler: str | None, cells: int) -> Iterator
             LocalCluster(
                 n_workers=min(_worker_count(workers), cells),
                 threads_per_worker=1,  # the solvers use one core each
-                dashboard_address=None,
+                dashboard_address=":0",  # any port: another cluster may hold the usual one
                 silence_logs=logging.CRITICAL,
             ) as cluster,
             Client(cluster) as client,

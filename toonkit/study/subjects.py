@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -120,13 +121,16 @@ def _from_file(path: Path) -> trimesh.Trimesh:
 
 def _example(name: str) -> trimesh.Trimesh:
     import trimesh  # noqa: PLC0415
-    from pyvista import examples  # noqa: PLC0415
+    from pyvista import PolyData, examples  # noqa: PLC0415
 
     download = getattr(examples, f"download_{name}", None)
     if download is None:
         raise refuse("mesh", "must be an example of PyVista after pyvista:", repr(name))
     try:
-        surface = download().extract_surface().triangulate()
+        mesh = download()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # how to say which surface is meant differs between versions
+            surface = (mesh if isinstance(mesh, PolyData) else mesh.extract_surface()).triangulate()
     except Exception as error:  # no network, or an example that is no surface
         raise ToonkitError(f"mesh must be downloadable; got pyvista:{name} ({error})") from error
     return trimesh.Trimesh(surface.points, surface.faces.reshape(-1, 4)[:, 1:])

@@ -85,15 +85,15 @@ def load_trials(source: PathLike) -> pd.DataFrame:
         If there is no table, or a file is not one.
     """
     path = _table_path(Path(source).expanduser())
+    texts = {name: kind for name, kind in COLUMN_TYPES.items() if kind == "str"}
     try:
-        table = pd.read_csv(path, keep_default_na=True) if path.suffix == ".csv" else pd.read_parquet(path)
+        table = pd.read_csv(path, dtype=texts) if path.suffix == ".csv" else pd.read_parquet(path)
     except (OSError, ValueError) as error:
         raise refuse("source", "must be the table of a study", f"{path} ({error})") from error
     missing = [name for name in COLUMN_TYPES if name not in table.columns]
     if missing:
         raise refuse("source", f"must have the column {missing[0]}", f"{path} without it")
-    texts = {name: "" for name, kind in COLUMN_TYPES.items() if kind == "str"}
-    return table[list(COLUMN_TYPES)].fillna(texts).astype(COLUMN_TYPES)
+    return table[list(COLUMN_TYPES)].fillna(dict.fromkeys(texts, "")).astype(COLUMN_TYPES)
 
 
 def load_provenance(source: PathLike) -> dict[str, Any]:

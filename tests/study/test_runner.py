@@ -1,0 +1,235 @@
+"""A study ends with the same table, however often and however hard it was stopped, and wherever it ran."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import toonkit
+from tests.dashboards.conftest import free_port
+from toonkit import METHODS, ToonkitError
+from toonkit.study import runner
+from toonkit.study.plan import StudyPlan, plan_study
+from toonkit.study.record_store import LOST
+from toonkit.study.runner import StudyProgress, run_study
+from toonkit.study.table import TIMING_COLUMNS, load_provenance, load_trials
+from toonkit.study.trials import StudySettings
+
+ROOT = Path(__file__).parents[2]
+SHAPES = ["sphere", "torus"]
+MAPS = ["terracotta", "plum_cream", "dusk_smooth"]
+NAMES = ["lumo", "toonkit", "flat"]
+SIZE = 48
+TRIALS = len(SHAPES) * len(MAPS) * len(NAMES)
+COMMAND = [
+    sys.executable, "-m", "toonkit", "study", "run", "--quiet", "--size", str(SIZE),
+    "--shapes", *SHAPES, "--maps", *MAPS, "--methods", *NAMES, "-o",
+]  # fmt: skip
+WAIT_SECONDS = 120
+
+
+def plan(**changes) -> StudyPlan:
+    chosen = {"shapes": SHAPES, "color_maps": MAPS, "methods": NAMES, "settings": StudySettings(size=SIZE)}
+    return plan_study(**{**chosen, **changes})
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory) -> pd.DataFrame:
+    """The table of a study that ran through, in this process."""
+    return run_study(plan(), tmp_path_factory.mktemp("study"), workers=0)
+
+
+def assert_same(table: pd.DataFrame, reference: pd.DataFrame) -> None:
+    pd.testing.assert_frame_equal(
+        table.drop(columns=TIMING_COLUMNS), reference.drop(columns=TIMING_COLUMNS), check_exact=True
+    )
+
+
+def records(folder: Path) -> set[Path]:
+    return set((folder / "records").glob("*.json"))
+
+
+def wait_for(what, process: subprocess.Popen | None = None) -> None:
+    end = time.monotonic() + WAIT_SECONDS
+    while not what():
+        assert time.monotonic() < end, "it took too long"
+        assert process is None or process.poll() is None, "it ended too early"
+        time.sleep(0.02)
+
+
+def test_every_trial_is_one_row(undisturbed):
+    assert len(undisturbed) == TRIALS
+    assert not undisturbed.duplicated(["shape", "color_map", "method", "light_track"]).any()
+    assert (undisturbed["error"] == "").all()
+    assert undisturbed["angular_error"].between(0, 90).all()
+
+
+def test_a_study_that_was_stopped_goes_on_with_what_is_missing(tmp_path, undisturbed):
+    class EnoughError(Exception):
+        pass
+
+    def stop(progress: StudyProgress) -> None:
+        if progress.done == 7:
+            raise EnoughError
+
+    with pytest.raises(EnoughError):
+        run_study(plan(), tmp_path, workers=0, progress=stop)
+    before = {path: path.stat().st_mtime_ns for path in records(tmp_path)}
+    assert len(before) == 7
+    seen: list[StudyProgress] = []
+    assert_same(run_study(plan(), tmp_path, workers=0, progress=seen.append), undisturbed)
+    assert (seen[0].done, seen[-1].done, seen[-1].total, len(seen)) == (7, TRIALS, TRIALS, TRIALS - 7 + 1)
+    assert all(path.stat().st_mtime_ns == written for path, written in before.items())
+    runs = load_provenance(tmp_path)["runs"]
+    assert [(run["trials"], run["finished"] is None) for run in runs] == [(TRIALS, True), (TRIALS - 7, False)]
+
+
+def test_a_study_in_pieces_is_the_study(tmp_path, undisturbed):
+    run_study(plan(methods=["flat"]), tmp_path, workers=0)
+    run_study(plan(shapes=["torus"], methods=["toonkit", "lumo"]), tmp_path, workers=0)
+    assert_same(run_study(plan(), tmp_path, workers=0), undisturbed)
+    assert load_provenance(tmp_path)["methods"] == ["flat", "toonkit", "lumo"]
+
+
+def test_a_method_that_was_changed_is_measured_again(tmp_path, monkeypatch):
+    small = {"shapes": ["sphere"], "color_maps": MAPS[:1]}
+    monkeypatch.setitem(METHODS, "mine", METHODS["lumo"])
+    first = run_study(plan(**small, methods=["mine", "flat"]), tmp_path, workers=0)
+    kept = {path: path.stat().st_mtime_ns for path in records(tmp_path)}
+
+    def other(image, light, *, progress=None):
+        return METHODS["lambert"](image, light)
+
+    monkeypatch.setitem(METHODS, "mine", other)
+    second = run_study(plan(**small, methods=["mine", "flat"]), tmp_path, workers=0)
+    written = {path.stem.split("--")[2] for path, at in kept.items() if path.stat().st_mtime_ns != at}
+    assert written == {"mine"}
+    errors = [table.set_index("method").loc["mine", "angular_error"] for table in (first, second)]
+    assert errors[0] != errors[1]
+
+
+def test_a_folder_of_other_settings_or_other_code_is_refused(tmp_path, monkeypatch):
+    small = {"shapes": ["sphere"], "color_maps": MAPS[:1], "methods": ["flat"]}
+    run_study(plan(**small), tmp_path, workers=0)
+    with pytest.raises(ToonkitError, match="same size and lights"):
+        run_study(plan(**small, settings=StudySettings(size=32)), tmp_path, workers=0)
+    monkeypatch.setattr("toonkit.study.provenance.source_digest", lambda: "another")
+    with pytest.raises(ToonkitError, match="this very code"):
+        run_study(plan(**small), tmp_path, workers=0)
+
+
+def test_a_shape_that_cannot_be_rendered_fails_in_all_its_trials(tmp_path, monkeypatch):
+    def render(subject, size):
+        raise MemoryError("too large")
+
+    monkeypatch.setattr(runner, "render", render)
+    table = run_study(plan(), tmp_path, workers=0)
+    assert table["error"].tolist() == ["MemoryError: too large"] * TRIALS
+
+
+def test_a_study_whose_process_was_killed_goes_on(tmp_path, undisturbed):
+    with subprocess.Popen([*COMMAND, str(tmp_path)], cwd=ROOT) as process:
+        wait_for(lambda: len(records(tmp_path)) >= 3, process)
+        process.kill()
+    left = records(tmp_path)
+    assert 3 <= len(left) < TRIALS
+    before = {path: path.stat().st_mtime_ns for path in left}
+    assert_same(run_study(plan(), tmp_path, workers=0), undisturbed)
+    assert all(path.stat().st_mtime_ns == written for path, written in before.items())
+
+
+def test_a_killed_worker_loses_nothing(tmp_path, undisturbed):
+    killed = []
+
+    def kill_one(progress: StudyProgress) -> None:
+        if progress.done == 4 and not killed:
+            killed.append(_workers_of(os.getpid())[0])
+            os.kill(killed[0], signal.SIGKILL)
+
+    table = run_study(plan(), tmp_path, workers=2, progress=kill_one)
+    assert killed
+    assert_same(table, undisturbed)
+
+
+def _workers_of(parent: int) -> list[int]:
+    psutil = pytest.importorskip("psutil")
+    children = psutil.Process(parent).children(recursive=True)
+    return [child.pid for child in children if "spawn_main" in " ".join(child.cmdline())]
+
+
+def fatal(image, light, *, progress=None):
+    """A method that takes its process with it."""
+    os._exit(1)
+
+
+def test_a_method_that_kills_its_worker_is_a_row_with_its_error(tmp_path, monkeypatch):
+    monkeypatch.setitem(METHODS, "fatal", fatal)
+    small = {"shapes": ["sphere"], "color_maps": MAPS[:1]}
+    table = run_study(plan(**small, methods=["fatal"]), tmp_path, workers=1)
+    assert table["error"].str.startswith(LOST).tolist() == [True]
+    assert np.isnan(table["angular_error"]).all()
+    monkeypatch.setitem(METHODS, "fatal", METHODS["lumo"])
+    again = run_study(plan(**small, methods=["fatal"]), tmp_path, workers=0)
+    assert (again["error"] == "").all()
+
+
+@pytest.fixture
+def scheduler():
+    """A dask scheduler and two workers, each a process of its own, as on another machine."""
+    address = f"tcp://127.0.0.1:{free_port()}"
+    commands = [["scheduler", "--port", address.rsplit(":", 1)[1], "--no-dashboard"]]
+    commands += [["worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny"]] * 2
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    processes = [
+        subprocess.Popen(
+            [sys.executable, "-m", "dask", *command],
+            env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )
+        for command in commands
+    ]  # fmt: skip
+    yield address, processes[0]
+    for process in processes:
+        process.kill()
+        process.wait()
+
+
+def test_two_processes_joined_to_a_scheduler_give_the_same_table(tmp_path, undisturbed, scheduler):
+    address, process = scheduler
+    assert_same(run_study(plan(), tmp_path / "by address", scheduler=address), undisturbed)
+
+    def kill(progress: StudyProgress) -> None:
+        if progress.done >= 4:
+            process.kill()
+
+    with pytest.raises(ToonkitError, match="run the same command again"):
+        run_study(plan(), tmp_path / "lost", scheduler=address, progress=kill)
+    assert 4 <= len(records(tmp_path / "lost")) < TRIALS
+    assert_same(run_study(plan(), tmp_path / "lost", workers=0), undisturbed)
+
+
+def test_a_scheduler_that_is_not_there_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(runner, "CONNECT_SECONDS", 1)
+    with pytest.raises(ToonkitError, match="scheduler must be the address"):
+        run_study(plan(), tmp_path, scheduler=f"tcp://127.0.0.1:{free_port()}")
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"workers": -1}, {"workers": 2.5}, {"workers": 1, "scheduler": "tcp://a:1"}]
+)
+def test_workers_that_cannot_be_had_are_refused(tmp_path, wrong):
+    with pytest.raises(ToonkitError, match="workers must"):
+        run_study(plan(), tmp_path, **wrong)
+
+
+def test_the_table_on_disk_is_the_one_returned(tmp_path):
+    table = run_study(plan(shapes=["sphere"], color_maps=MAPS[:1]), tmp_path, workers=0)
+    pd.testing.assert_frame_equal(load_trials(tmp_path), table)
+    assert load_provenance(tmp_path)["toonkit"] == toonkit.__version__
