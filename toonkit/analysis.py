@@ -10,7 +10,7 @@ from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination, shade
-from toonkit.numerics.report import SolverReport
+from toonkit.numerics.report import NOT_REFINED, SolverReport
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class ToonAnalysis:
     color_map : ColorMap
         M, re-estimated on the refined normals.
     report : SolverReport
-        How the refinement went.
+        How the refinement went; by default, that there was none.
     """
 
     image: ToonImage
@@ -42,7 +42,7 @@ class ToonAnalysis:
     normals: NormalField
     initial_normals: NormalField
     color_map: ColorMap
-    report: SolverReport
+    report: SolverReport = NOT_REFINED
 
     @property
     def illumination(self) -> FloatArray:

@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 from toonkit._validation import ToonkitError, refuse
 from toonkit.cli.lights import parse_angles
-from toonkit.cli.progress import TrialBar
+from toonkit.cli.progress import StepBar, TrialBar
 
 if TYPE_CHECKING:
     from toonkit.study.plan import StudyPlan
     from toonkit.study.registry import View
+
+REPORT_FOLDER = "report"
 
 
 def add_study_commands(commands: Any) -> None:
@@ -165,6 +167,24 @@ def _parse_view(text: str | None) -> View | None:
 
 def _report(arguments: argparse.Namespace) -> int:
     _refuse_without_extra()
+    from toonkit.export.folder import make_folder  # noqa: PLC0415
+    from toonkit.study.cells import on_track, tracks  # noqa: PLC0415
+    from toonkit.study.report import REPORT_NAME, write_report  # noqa: PLC0415
+    from toonkit.study.table import load_provenance, load_trials  # noqa: PLC0415
+    from toonkit.viz.study_figures import write_figures  # noqa: PLC0415
+
+    source = Path(arguments.study).expanduser()
+    trials, provenance = load_trials(source), load_provenance(source)
+    home = source if source.is_dir() else source.parent
+    folder = make_folder(arguments.out or home / REPORT_FOLDER)
+    with StepBar(visible=not arguments.quiet) as progress:
+        progress("drawing the figures", 0.0)
+        figures = write_figures(on_track(trials, tracks(trials)[0]), folder)
+        progress("comparing the methods", 0.6)
+        written = write_report(trials, provenance, folder, figures=figures)
+    if not arguments.quiet:
+        print((folder / REPORT_NAME).read_text(encoding="utf-8"))
+        print(f"{len(written) + len(figures)} files written to {folder}")
     return 0
 
 

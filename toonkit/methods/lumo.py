@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.refinement import Refinement
 from toonkit.methods.steps import StepProgress, inflated
 from toonkit.model.image import ToonImage
-from toonkit.numerics.report import SolverReport
+from toonkit.numerics.report import NOT_REFINED
 
 
 def lumo(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = None) -> ToonAnalysis:
@@ -40,5 +39,4 @@ def lumo(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = 
     S. F. Johnston, "Lumo: illumination for cel animation", NPAR 2002, doi:10.1145/508530.508538
     """
     steps = inflated(image, light, progress)
-    report = SolverReport(0, np.zeros(0), "inflation needs no refinement", converged=True)
-    return steps.finished("lumo", Refinement(steps.initial_normals, report))
+    return steps.finished("lumo", Refinement(steps.initial_normals, NOT_REFINED))

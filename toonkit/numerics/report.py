@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from toonkit._validation import FloatArray
 
 
@@ -28,3 +30,7 @@ class SolverReport:
     energies: FloatArray
     reason: str
     converged: bool
+
+
+NOT_REFINED = SolverReport(0, np.zeros(0), "nothing was refined", converged=True)
+"""The report of a method that ends where it starts."""

@@ -17,7 +17,6 @@ from toonkit.model.image import ToonImage
 from toonkit.model.light import light_direction
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination
-from toonkit.numerics.report import SolverReport
 from toonkit.relighting import relight
 
 TOWARD_VIEWER = light_direction(0.0, 90.0)
@@ -51,8 +50,7 @@ def flat(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = 
     color_map = fit_color_map(image, illumination(normals, direction))
     if progress is not None:
         progress("done", 1.0)
-    report = SolverReport(0, np.zeros(0), "nothing to refine", converged=True)
-    return ToonAnalysis(image, "flat", direction, normals, normals, color_map, report)
+    return ToonAnalysis(image, "flat", direction, normals, normals, color_map)
 
 
 FLAT = Contestant(flat, picture=lambda analysis: analysis.image, relight=lambda analysis, _: analysis.image)
