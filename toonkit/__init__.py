@@ -8,11 +8,12 @@ The model is c = M(L · N). Where to read what, in the order of the paper:
     Section 3.2    toonkit.estimation.color_map_fit    the color map by rank matching; light_fit the light
     Section 3.3    toonkit.estimation.energy           what is minimized (Eqs. 2 to 6); refinement minimizes it
     Section 3.4    toonkit.relighting                  relighting (Eq. 7)
-    Section 4      toonkit.methods, toonkit.metrics    the estimators compared, and how
+    Section 4      toonkit.methods, toonkit.metrics    the estimators compared, and how; toonkit.study measures them all
 """
 
 from toonkit._validation import ToonkitError
 from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.color_map_extraction import extract_color_map
 from toonkit.estimation.color_map_fit import fit_color_map, illumination_interval
 from toonkit.estimation.inflation import inflate
 from toonkit.estimation.light_fit import LightEstimate, estimate_light
@@ -46,6 +47,7 @@ __all__ = [
     "color_difference",
     "color_rmse",
     "estimate_light",
+    "extract_color_map",
     "fit_color_map",
     "height_map",
     "height_mesh",

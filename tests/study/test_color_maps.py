@@ -1,4 +1,4 @@
-"""The study's ramps, and the one a stroke takes from a drawing."""
+"""The study's ramps."""
 
 from __future__ import annotations
 
@@ -8,27 +8,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from toonkit import ColorMap, ToonImage
-from toonkit._validation import ToonkitError
 from toonkit.model.luminance import luminance, tone
-from toonkit.study.color_maps import Ramp, extract_color_map, load_color_maps, load_ramps
+from toonkit.study.color_maps import Ramp, load_color_maps, load_ramps
 
 NAMES = list(load_ramps())
 ROUNDING = 1e-12  # a plateau is computed from the same numbers at each of its samples, up to rounding
-
-
-def graded_picture(size: int = 40) -> ToonImage:
-    """A drawing that goes from violet at the left to cream at the right, empty in its top quarter."""
-    ramp = ColorMap([[0.25, 0.1, 0.35], [0.8, 0.4, 0.4], [1.0, 0.9, 0.7]])
-    mask = np.ones((size, size), dtype=bool)
-    mask[: size // 4] = False
-    return ToonImage(np.repeat(ramp(np.linspace(-1, 1, size))[None], size, axis=0), mask)
-
-
-def row_stroke(size: int, row: int) -> np.ndarray:
-    stroke = np.zeros((size, size), dtype=bool)
-    stroke[row] = True
-    return stroke
 
 
 def test_the_study_has_twenty_four_color_maps() -> None:
@@ -92,68 +76,3 @@ def test_a_soft_step_is_half_bright_in_its_middle() -> None:
     middle = Ramp("fade", ("#000000", "#ffffff"), ((0.0, 0.8),), ()).color_map()(0.0)
     # Samples lie on either side of 0, which is 1/1023 of illumination: the steepest rise over that is 0.002.
     assert luminance(middle) == pytest.approx(0.5, abs=0.002)
-
-
-def test_a_stroke_along_the_gradient_gives_its_colors_back_in_order() -> None:
-    picture = graded_picture()
-    found = extract_color_map(picture, row_stroke(40, 20))
-    assert found.domain == (-1.0, 1.0)
-    # To linear light and back.
-    assert np.abs(found.colors - picture.color[20]).max() < 1e-9
-
-
-def test_the_order_of_pixels_under_a_stroke_does_not_matter() -> None:
-    picture = graded_picture()
-    shuffled = np.random.default_rng(3).permutation(40)
-    mixed = ToonImage(picture.color[:, shuffled], picture.mask)
-    found = extract_color_map(mixed, row_stroke(40, 30))
-    assert np.array_equal(found.colors, extract_color_map(picture, row_stroke(40, 30)).colors)
-
-
-def test_a_large_stroke_gives_at_most_1024_samples_that_never_get_darker() -> None:
-    noise = np.random.default_rng(5).uniform(size=(64, 64, 3))
-    found = extract_color_map(ToonImage(noise, np.ones((64, 64), dtype=bool)), np.ones((64, 64), dtype=bool))
-    assert found.colors.shape == (1024, 3)
-    assert np.diff(luminance(found.colors)).min() >= -ROUNDING
-
-
-def test_two_pixels_are_enough_for_a_color_map() -> None:
-    stroke = np.zeros((40, 40), dtype=bool)
-    stroke[20, [39, 0]] = True
-    picture = graded_picture()
-    assert np.abs(extract_color_map(picture, stroke).colors - picture.color[20, [0, 39]]).max() < 1e-9
-
-
-def test_what_a_stroke_touches_outside_the_object_is_ignored() -> None:
-    picture = graded_picture()
-    stroke = row_stroke(40, 20)
-    along = extract_color_map(picture, stroke)
-    stroke[:10] = True
-    assert np.array_equal(extract_color_map(picture, stroke).colors, along.colors)
-
-
-def test_pixels_that_the_object_covers_in_part_stay_out_of_the_color_map() -> None:
-    picture = graded_picture()
-    alpha = picture.mask.astype(float)
-    alpha[20, :8] = 0.6
-    found = extract_color_map(ToonImage(picture.color, picture.mask, alpha=alpha), row_stroke(40, 20))
-    assert len(found.colors) == 32
-
-
-@pytest.mark.parametrize(
-    ("stroke", "complaint"),
-    [
-        (
-            np.ones((40, 41), dtype=bool),
-            r"stroke must have the size of the picture \(40, 40\); got \(40, 41\)",
-        ),
-        (np.ones((40, 40, 3), dtype=bool), r"stroke must be a \(H, W\) bool array"),
-        (np.ones((40, 40)), r"stroke must be a \(H, W\) bool array; got shape \(40, 40\), float64"),
-        (row_stroke(40, 3), "stroke must pass over the object; got 40 pixels, none of them on it"),
-        (np.zeros((40, 40), dtype=bool), "stroke must pass over the object"),
-        (np.arange(1600).reshape(40, 40) == 800, "stroke must pass over at least 2 object pixels; got 1"),
-    ],
-)
-def test_a_stroke_that_takes_no_color_map_is_refused(stroke: np.ndarray, complaint: str) -> None:
-    with pytest.raises(ToonkitError, match=complaint):
-        extract_color_map(graded_picture(), stroke)
