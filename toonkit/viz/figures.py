@@ -1,0 +1,137 @@
+"""The house style of printed figures: page, type, and one color and one name per method, the same in every figure.
+
+A figure is a `matplotlib.figure.Figure` of its own, never one of pyplot's, so that making one leaves nothing behind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from contextlib import contextmanager
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+from matplotlib.font_manager import fontManager
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+PAGE_WIDTH = 7.0
+"""Inches across both columns of a journal's page."""
+
+COLUMN_WIDTH = 3.4
+"""Inches across one column."""
+
+PAD = 0.025
+"""Inches around each panel."""
+
+METHOD_COLORS: dict[str, str] = {
+    "toonkit": "#0072b2",
+    "todo": "#d55e00",
+    "lumo": "#56b4e9",
+    "lambert": "#882255",
+    "flat": "#8c8c8c",
+}
+"""Method -> its color in every chart. Any two stay apart for readers who see no red, no green or no blue."""
+
+METHOD_LABELS: dict[str, str] = {
+    "truth": "Ground truth",
+    "toonkit": "toonkit",
+    "todo": "Todo & Yamaguchi",
+    "lumo": "Lumo",
+    "lambert": "Lambert",
+    "flat": "Flat",
+}
+"""Method -> its name in print."""
+
+INK = "#1f1f21"
+"""Text, and the truth where it is drawn beside methods."""
+
+QUIET = "#75757a"
+"""Frames, second lines of a label, and lines that only guide the eye."""
+
+GROUND = "#f5f4f1"
+"""Behind panels that belong together."""
+
+TEXT_SIZE = 8.0
+SMALL = 7.0
+"""Points: labels, and what stands below them."""
+
+_FAMILIES = ("Arial", "Helvetica", "Liberation Sans", "DejaVu Sans")
+"""Three of equal widths, then the one that comes with matplotlib and has every sign."""
+
+_STYLE: dict[str, Any] = {
+    "figure.dpi": 144,
+    "figure.facecolor": "white",
+    "savefig.dpi": 300,
+    "font.size": TEXT_SIZE,
+    "text.color": INK,
+    "axes.titlesize": TEXT_SIZE,
+    "axes.titlepad": 4.0,
+    "axes.labelsize": TEXT_SIZE,
+    "axes.labelcolor": INK,
+    "axes.labelpad": 2.5,
+    "axes.edgecolor": QUIET,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.unicode_minus": True,
+    "xtick.labelsize": SMALL,
+    "ytick.labelsize": SMALL,
+    "xtick.color": QUIET,
+    "ytick.color": QUIET,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "xtick.major.pad": 2.0,
+    "ytick.major.pad": 2.0,
+    "lines.linewidth": 1.2,
+    "patch.linewidth": 0.6,
+    "legend.fontsize": SMALL,
+    "legend.frameon": False,
+    "legend.handlelength": 1.6,
+    "image.interpolation": "antialiased",
+    "pdf.fonttype": 42,  # letters stay letters in the file, which journals ask for
+    "svg.fonttype": "none",
+}
+
+
+@contextmanager
+def figure_style() -> Generator[None]:
+    """
+    Draw in the house style: white page, sans serif of 7 and 8 points, thin axes.
+
+    What is made inside keeps the style when it is shown or saved outside.
+    """
+    # By name: "sans-serif" would be looked up again, in the style of whoever saves the figure.
+    known = set(fontManager.get_font_names())
+    families = [family for family in _FAMILIES if family in known]
+    style: Any = {
+        **_STYLE,
+        "font.family": families,
+    }  # each version of matplotlib types its keys in its own way
+    with mpl.rc_context(style):
+        yield
+
+
+def new_figure(height: float, *, width: float = PAGE_WIDTH, gap: float = 0.015) -> Figure:
+    """
+    Return an empty page whose layout keeps labels from overlapping; call it inside `figure_style`.
+
+    Parameters
+    ----------
+    height : float
+        Inches.
+    width : float, optional
+        Inches; both columns of a page by default.
+    gap : float, optional
+        Room between columns, as a share of their width.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        With the "constrained" layout engine.
+    """
+    layout = ConstrainedLayoutEngine(w_pad=PAD, h_pad=PAD, wspace=gap, hspace=0.015)
+    return Figure(figsize=(width, height), layout=layout)
