@@ -10,9 +10,9 @@ import trimesh
 from scipy import ndimage
 
 from toonkit import ToonkitError
-from toonkit.study import distance_fields as d
 from toonkit.study.rendering import MARGIN, RenderedShape, render_mesh, render_shape
 from toonkit.study.shapes import SHAPES, Shape, View
+from toonkit.study.solids import distance_fields as d
 
 FRONT = View()
 

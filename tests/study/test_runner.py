@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -16,8 +17,9 @@ import pytest
 import toonkit
 from tests.dashboards.conftest import free_port
 from toonkit import METHODS, ToonkitError
-from toonkit.study import runner
+from toonkit.study import provenance, runner
 from toonkit.study.plan import StudyPlan, plan_study
+from toonkit.study.provenance import MEASURED_BY, PACKAGE
 from toonkit.study.record_store import LOST
 from toonkit.study.runner import StudyProgress, run_study
 from toonkit.study.table import TIMING_COLUMNS, load_provenance, load_trials
@@ -213,6 +215,23 @@ def test_two_processes_joined_to_a_scheduler_give_the_same_table(tmp_path, undis
         run_study(plan(), tmp_path / "lost", scheduler=address, progress=kill)
     assert 4 <= len(records(tmp_path / "lost")) < TRIALS
     assert_same(run_study(plan(), tmp_path / "lost", workers=0), undisturbed)
+
+
+def test_every_module_that_a_number_depends_on_is_there_and_code_is_told_from_words(tmp_path):
+    assert all((PACKAGE / name).exists() for name in MEASURED_BY)
+    digest = provenance.source_digest.__wrapped__
+    copy = tmp_path / "toonkit"
+    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(provenance, "PACKAGE", copy)
+        original = digest()
+        path = copy / "metrics.py"
+        path.write_text(
+            path.read_text().replace("Units", "units").replace("\n\n\ndef", "\n\n\n# A word.\ndef")
+        )
+        assert digest() == original
+        path.write_text(path.read_text().replace("percentile(inside, 95)", "percentile(inside, 94)"))
+        assert digest() != original
 
 
 def test_a_scheduler_that_is_not_there_is_refused(tmp_path, monkeypatch):

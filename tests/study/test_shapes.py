@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from toonkit.study import distance_fields as d
 from toonkit.study.rendering import MARGIN, RenderedShape, render_shape
 from toonkit.study.shapes import BOUND, SHAPES, View
+from toonkit.study.solids import distance_fields as d
 
 COMPLEX = {
     *("cat", "rabbit", "mushroom", "teapot", "snowman", "pear", "hand", "fish", "duck", "head", "knot"),

@@ -70,14 +70,12 @@ def test_relit_pictures_are_measured_as_the_public_functions_do(painting):
     analysis = toonkit.analyze(painting.image, painting.light, method="lumo")
     relit = [toonkit.relight(analysis, toonkit.light_direction(*angles)) for angles in SETTINGS.new_lights]
     rmse = [toonkit.color_rmse(ours, true) for ours, true in zip(relit, painting.relit, strict=True)]
-    response = [
-        toonkit.relight_response(analysis.picture, ours, painting.image, true)
-        for ours, true in zip(relit, painting.relit, strict=True)
-    ]
+    changes = [toonkit.color_rmse(ours, analysis.picture) for ours in relit]
+    true_changes = [toonkit.color_rmse(true, painting.image) for true in painting.relit]
     assert len(rmse) >= 8
     assert record.relight_rmse == pytest.approx(np.mean(rmse))
     assert record.relight_rmse_worst == pytest.approx(max(rmse))
-    assert record.relight_response == pytest.approx(np.mean(response))
+    assert record.relight_response == pytest.approx(np.linalg.norm(changes) / np.linalg.norm(true_changes))
     assert record.input_rmse == pytest.approx(toonkit.color_rmse(analysis.picture, painting.image))
 
 
@@ -89,6 +87,16 @@ def test_the_light_is_the_true_one_or_the_estimate(painting):
     assert (given.light_error, given.light_confidence) == (0, 1)
     assert estimated.light_error == pytest.approx(angle)
     assert estimated.light_confidence == pytest.approx(estimate.confidence)
+
+
+def test_under_one_light_the_response_is_the_public_one():
+    settings = StudySettings(size=48, new_lights=((30, 40),))
+    one = paint(render_shape(SHAPES["pear"], 48), load_color_maps()["terracotta"], settings)
+    record = run_trial(GIVEN, "complex", one, contestants()["lumo"])
+    analysis = toonkit.analyze(one.image, one.light, method="lumo")
+    relit = toonkit.relight(analysis, toonkit.light_direction(30, 40))
+    response = toonkit.relight_response(analysis.picture, relit, one.image, one.relit[0])
+    assert record.relight_response == pytest.approx(response)
 
 
 def broken(image: ToonImage, light, *, progress=None) -> ToonAnalysis:

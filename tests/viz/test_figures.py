@@ -20,12 +20,12 @@ from toonkit.model.luminance import linear_to_srgb, srgb_to_linear
 from toonkit.study.color_maps import load_color_maps, load_ramps
 from toonkit.study.rendering import RenderedShape, render_shape
 from toonkit.study.shapes import SHAPES
-from toonkit.viz.figures import METHOD_COLORS, METHOD_LABELS, PAGE_WIDTH, figure_style, new_figure
-from toonkit.viz.figures_panels import ball, draw_picture, proportion
-from toonkit.viz.paper_figures_data import data_sets, stylized_shading
-from toonkit.viz.paper_figures_method import inflation, method_overview
-from toonkit.viz.paper_figures_reflectance import color_map_estimation, illumination_constraints
-from toonkit.viz.paper_figures_results import Comparison, relighting, shading_analysis
+from toonkit.viz.figures.panels import ball, draw_picture, proportion
+from toonkit.viz.figures.paper_data import data_sets, stylized_shading
+from toonkit.viz.figures.paper_method import inflation, method_overview
+from toonkit.viz.figures.paper_reflectance import color_map_estimation, illumination_constraints
+from toonkit.viz.figures.paper_results import Comparison, relighting, shading_analysis
+from toonkit.viz.figures.style import METHOD_COLORS, METHOD_LABELS, PAGE_WIDTH, figure_style, new_figure
 
 LIGHT = toonkit.light_direction(129, 50)
 SIZE = 64

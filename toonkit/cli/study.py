@@ -168,10 +168,10 @@ def _parse_view(text: str | None) -> View | None:
 def _report(arguments: argparse.Namespace) -> int:
     _refuse_without_extra()
     from toonkit.export.folder import make_folder  # noqa: PLC0415
-    from toonkit.study.cells import on_track, tracks  # noqa: PLC0415
-    from toonkit.study.report import REPORT_NAME, write_report  # noqa: PLC0415
+    from toonkit.study.reporting.cells import on_track, tracks  # noqa: PLC0415
+    from toonkit.study.reporting.report import REPORT_NAME, write_report  # noqa: PLC0415
     from toonkit.study.table import load_provenance, load_trials  # noqa: PLC0415
-    from toonkit.viz.study_figures import write_figures  # noqa: PLC0415
+    from toonkit.viz.figures.study import write_figures  # noqa: PLC0415
 
     source = Path(arguments.study).expanduser()
     trials, provenance = load_trials(source), load_provenance(source)

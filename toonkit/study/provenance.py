@@ -23,9 +23,8 @@ PACKAGE = Path(toonkit.__file__).parent
 
 MEASURED_BY = (
     "_validation.py", "analysis.py", "metrics.py", "relighting.py", "model", "numerics", "estimation", "methods",
-    *(f"study/{name}.py" for name in (
-        "color_maps", "contestants", "creatures", "curves", "distance_fields", "mesh_rays", "objects", "primitives",
-        "registry", "rendering", "shapes", "sphere_tracing", "subjects", "trials",
+    *(f"study/{name}" for name in (
+        "color_maps.py", "contestants.py", "registry.py", "rendering.py", "shapes.py", "solids", "subjects.py", "trials.py",
     )),
 )  # fmt: skip
 """The modules that a trial's numbers depend on, in `toonkit/`."""

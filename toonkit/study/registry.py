@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
-from toonkit.study.distance_fields import Distance, rotation, union
+from toonkit.study.solids.distance_fields import Distance, rotation, union
 
 ShapeKind = Literal["primitive", "complex"]
 

@@ -13,7 +13,7 @@ from scipy import ndimage
 from toonkit._validation import BoolArray, FloatArray, refuse
 from toonkit.model.normals import NormalField
 from toonkit.study.registry import BOUND, Shape, View
-from toonkit.study.sphere_tracing import DistanceSolid
+from toonkit.study.solids.sphere_tracing import DistanceSolid
 
 if TYPE_CHECKING:
     import trimesh
@@ -147,7 +147,7 @@ def render_mesh(
         If the size is not a whole number or too small, the mesh has no faces, or the fast rays of embreex are
         not installed.
     """
-    from toonkit.study.mesh_rays import MeshSolid  # noqa: PLC0415  # needs optional packages
+    from toonkit.study.solids.mesh_rays import MeshSolid  # noqa: PLC0415  # needs optional packages
 
     size = _checked_size(size)
     if len(mesh.faces) == 0:

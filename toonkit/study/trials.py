@@ -126,7 +126,8 @@ class Record:
     relight_rmse, relight_rmse_without_rim, relight_rmse_worst : float
         Relit pictures against the true ones, sRGB: the mean over the new lights, and the largest.
     relight_response, relight_response_without_rim : float
-        How much the picture changes under a new light, against how much the truth does: 1 is right, 0 no answer.
+        How much the picture changes under the new lights, against how much the truth does, root mean squares over all of
+        them: 1 is right, 0 no answer.
     iterations : int
         Of the refinement.
     converged : bool
@@ -344,30 +345,32 @@ def _repainted(analysis: ToonAnalysis, painting: Painting, contestant: Contestan
 
 
 def _relit(analysis: ToonAnalysis, painting: Painting, contestant: Contestant) -> dict[str, float]:
-    """Measure the relit pictures; the response is the `toonkit.relight_response`."""
+    """Measure the relit pictures, and how much they differ from the picture before."""
     before = contestant.picture(analysis)
-    rows = []
-    for angles, truth, true_change in zip(
-        painting.settings.new_lights, painting.relit, painting.changes, strict=True
-    ):
+    errors, changes = [], []
+    for angles, truth in zip(painting.settings.new_lights, painting.relit, strict=True):
         relit = contestant.relight(analysis, light_direction(*angles))
-        error, change = picture_error(relit, truth), picture_error(relit, before)
-        rows.append(
-            (
-                error.rmse,
-                error.rmse_without_rim,
-                change.rmse / true_change.rmse,
-                change.rmse_without_rim / true_change.rmse_without_rim,
-            )
-        )
-    rmse, rmse_without_rim, response, response_without_rim = np.array(rows).T
+        errors.append(picture_error(relit, truth))
+        changes.append(picture_error(relit, before))
+    rmse = [error.rmse for error in errors]
     return {
-        "relight_rmse": float(rmse.mean()),
-        "relight_rmse_without_rim": float(rmse_without_rim.mean()),
-        "relight_rmse_worst": float(rmse.max()),
-        "relight_response": float(response.mean()),
-        "relight_response_without_rim": float(response_without_rim.mean()),
+        "relight_rmse": float(np.mean(rmse)),
+        "relight_rmse_without_rim": float(np.mean([error.rmse_without_rim for error in errors])),
+        "relight_rmse_worst": max(rmse),
+        "relight_response": _ratio(
+            [change.rmse for change in changes], [change.rmse for change in painting.changes]
+        ),
+        "relight_response_without_rim": _ratio(
+            [change.rmse_without_rim for change in changes],
+            [change.rmse_without_rim for change in painting.changes],
+        ),
     }
+
+
+def _ratio(changes: list[float], true_changes: list[float]) -> float:
+    """Root mean square over the lights, of ours by the truth's: a light that hardly changes the truth weighs little."""
+    truth = float(np.linalg.norm(true_changes))
+    return float(np.linalg.norm(changes)) / truth if truth > 0 else float("nan")
 
 
 def _angle(a: FloatArray, b: FloatArray) -> float:

@@ -21,8 +21,7 @@ from toonkit.model.shading import illumination
 from toonkit.numerics.masked_grid import MaskedGrid
 from toonkit.relighting import relight
 from toonkit.study.rendering import RenderedShape
-from toonkit.viz.figures import GROUND, INK, PAGE_WIDTH, QUIET, SMALL, figure_style, new_figure
-from toonkit.viz.figures_panels import (
+from toonkit.viz.figures.panels import (
     angles_text,
     bare,
     caption,
@@ -39,6 +38,7 @@ from toonkit.viz.figures_panels import (
     part_title,
     proportion,
 )
+from toonkit.viz.figures.style import GROUND, INK, PAGE_WIDTH, QUIET, SMALL, figure_style, new_figure
 
 SILHOUETTE_ARROWS = 60
 PROFILES = 44

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from toonkit._validation import FloatArray
-from toonkit.study.curves import Curve
+from toonkit.study.solids.curves import Curve
 
 Distance = Callable[[FloatArray], FloatArray]
 Vector = Sequence[float]

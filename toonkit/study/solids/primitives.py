@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from toonkit.study import distance_fields as d
-from toonkit.study.distance_fields import Distance
 from toonkit.study.registry import View, shape
+from toonkit.study.solids import distance_fields as d
+from toonkit.study.solids.distance_fields import Distance
 
 
 @shape("sphere", "primitive")

@@ -20,8 +20,7 @@ from toonkit.model.image import ToonImage
 from toonkit.model.shading import illumination, shade
 from toonkit.relighting import relight
 from toonkit.study.rendering import RenderedShape
-from toonkit.viz.figures import METHOD_COLORS, METHOD_LABELS, PAGE_WIDTH, SMALL, figure_style, new_figure
-from toonkit.viz.figures_panels import (
+from toonkit.viz.figures.panels import (
     angles_text,
     bare,
     caption,
@@ -34,6 +33,14 @@ from toonkit.viz.figures_panels import (
     fill,
     illumination_scale,
     proportion,
+)
+from toonkit.viz.figures.style import (
+    METHOD_COLORS,
+    METHOD_LABELS,
+    PAGE_WIDTH,
+    SMALL,
+    figure_style,
+    new_figure,
 )
 
 STRIP_WIDTH = 0.12

@@ -17,7 +17,7 @@ from toonkit.model.image import ToonImage
 from toonkit.model.light import light_angles
 from toonkit.model.normals import NormalField, encode_normal_map
 from toonkit.model.shading import shade
-from toonkit.viz.figures import INK, QUIET, SMALL
+from toonkit.viz.figures.style import INK, QUIET, SMALL
 
 FREE_SHARE = 0.02
 """Of the object's longer side: what stays free around it in a panel."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from toonkit._validation import FloatArray
-from toonkit.study import distance_fields as d
-from toonkit.study.distance_fields import Distance
 from toonkit.study.registry import View, shape
+from toonkit.study.solids import distance_fields as d
+from toonkit.study.solids.distance_fields import Distance
 
 
 def _spot(azimuth: float, elevation: float, radius: float) -> Distance:

@@ -1,0 +1,190 @@
+"""The report tells all that the table holds, failures first of all, and no number that is not in it."""
+
+from __future__ import annotations
+
+import re
+
+import pandas as pd
+import pytest
+
+from tests.synthetic_study import COLOR_MAPS, SHAPES, failed, study_table
+from toonkit import ToonkitError
+from toonkit.study.measures import MEASURES
+from toonkit.study.reporting.report import REPORT_NAME, report_tables, write_report
+from toonkit.study.reporting.statistics import breakdown, method_means
+from toonkit.study.reporting.tables import best_methods, extremes, refinements, shown_means
+from toonkit.study.reporting.text import report_text
+
+PROVENANCE = {
+    "commit": "abc123",
+    "settings": {"size": 64, "light": [129, 50], "new_lights": [[0, 25], [90, 60]]},
+    "versions": {"python": "3.11", "numpy": "2", "dask": "2026.1"},
+    "machine": {"processor": "a fast one"},
+    "refinement_as_printed": {"relaxation": 1.5, "max_sweeps": 500, "tolerance": 1e-5},
+    "runs": [{"seconds": 3700.0}, {"seconds": 80.0}, {"seconds": None}],
+}
+
+
+@pytest.fixture(scope="module")
+def trials():
+    return study_table()
+
+
+@pytest.fixture(scope="module")
+def text(trials):
+    return report_text(trials, PROVENANCE)
+
+
+def cells_of(text, start):
+    """Cells of the first row of any table that starts with a word."""
+    (row, *_) = re.findall(rf"^\| {re.escape(start)} \|(.*)\|$", text, re.MULTILINE)
+    return [cell.strip() for cell in row.split("|")]
+
+
+def test_the_report_is_written_with_its_tables(trials, tmp_path):
+    written = write_report(trials, PROVENANCE, tmp_path / "new" / "report")
+    assert next(path.name for path in written) == REPORT_NAME
+    assert all(path.is_file() and what for path, what in written.items())
+    assert sorted(path.name for path in (tmp_path / "new" / "report").iterdir()) == sorted(
+        path.name for path in written
+    )
+    means = pd.read_csv(tmp_path / "new" / "report" / "method_means.csv")
+    assert set(means["measure"]) == set(MEASURES)
+    assert list(means.columns[:3]) == ["light_track", "measure", "method"]
+
+
+def test_two_reports_of_the_same_table_are_the_same(trials, text):
+    assert report_text(trials.sample(frac=1, random_state=1), PROVENANCE) == text
+
+
+def test_the_report_opens_with_what_was_compared(text):
+    assert text.startswith("# Study: 6 shapes x 6 color maps x 5 methods\n")
+    assert "64 x 64 pixels" in text
+
+
+def test_means_in_the_report_are_those_of_the_table(trials, text):
+    shown = cells_of(text, "normals, mean error")
+    for cell, method in zip(shown, ("toonkit", "todo", "lumo", "lambert", "flat"), strict=True):
+        mean = trials.loc[trials["method"] == method, "angular_error"].mean()
+        assert cell.strip("*").startswith(f"{mean:.1f}° [")
+
+
+def test_the_best_of_each_measure_is_bold_and_flat_never_is(trials, text):
+    assert cells_of(text, "normals, mean error")[0].startswith("**")
+    assert "**" not in cells_of(text, "input, RMSE (sRGB)")[-1]
+    assert "flat" not in {name for names in best_methods(method_means(trials)).values() for name in names}
+
+
+def test_methods_that_the_decimals_do_not_tell_apart_are_equally_good(trials):
+    means = method_means(trials, ("relight_response",))
+    means["departure"] = [0.011, 0.012, 0.2, 0.3, 1.0]
+    assert best_methods(means) == {"response to the light, median": ["toonkit", "todo"]}
+
+
+def test_every_claim_has_a_verdict_in_the_report(text):
+    for key in "abcdef":
+        assert cells_of(text, key)[2] in {"agrees", "partly", "disagrees", "undecided"}
+
+
+def test_where_nothing_disagrees_the_report_says_so(text):
+    section = text.split("### Where the numbers disagree with the paper\n\n")[1].split("\n\n## ")[0]
+    # Six color maps cannot decide claim (c); whatever is listed is no contradiction.
+    assert "Contradicted" not in section
+    assert section
+
+
+def test_a_failed_trial_is_in_the_report_with_its_error(trials):
+    broken = failed(trials, shape="cat", color_map="candy", method="todo")
+    text = report_text(broken, PROVENANCE)
+    assert "35 of the 36" not in text.split("## Failures")[1]
+    assert "Means are over the 35 of 36 pairs" in text
+    assert "1 of 180 trials ended in an error" in text
+    assert r"ValueError: it \| broke" in text  # a bar would end the cell
+    assert cells_of(text.split("## Refinements")[1], "todo")[:2] == ["35", "1"]
+
+
+def test_a_measure_that_is_undefined_in_some_trials_says_over_how_many_it_is(trials):
+    table = trials.copy()
+    table.loc[0, "relight_response"] = float("inf")
+    assert "response to the light over 35 of 36 pairs" in report_text(table, {})
+
+
+def test_no_failure_is_said_plainly(text):
+    assert "No trial ended in an error." in text
+
+
+def test_provenance_tells_size_lights_versions_sweeps_and_time(text):
+    section = text.split("## Provenance")[1]
+    assert "azimuth 129°, elevation 50°" in section
+    assert "azimuth 90°, elevation 60°" in section
+    assert "max sweeps 500" in section
+    assert "1 h 3 min in 2 runs; 1 more did not finish" in section
+    assert "abc123" in section
+    assert cells_of(section, "dask") == ["2026.1"]
+
+
+def test_a_report_without_provenance_tells_what_the_table_knows(trials):
+    section = report_text(trials, {}).split("## Provenance")[1]
+    assert "azimuth 129°, elevation 50°" in section
+    assert "wall time" not in section
+
+
+def test_figures_are_shown_by_their_address_beside_the_report(trials, tmp_path):
+    figures = {tmp_path / "pairs.png": "Pairs.", tmp_path / "pairs.pdf": "Pairs."}
+    write_report(trials, {}, tmp_path, figures=figures)
+    assert re.findall(r"!\[.*\]\((.*)\)", (tmp_path / REPORT_NAME).read_text()) == ["pairs.png"]
+
+
+def test_each_light_track_has_its_means_and_the_claims_are_about_the_true_light(trials):
+    worse = trials.assign(light_track="estimated", angular_error=trials["angular_error"] + 10)
+    both = pd.concat([worse, trials], ignore_index=True)
+    text = report_text(both, {})
+    assert text.index("the true light given") < text.index("the light estimated")
+    only_given = report_text(trials, {})
+    claims = only_given.split("## The paper's claims")[1].split("## Provenance")[0]
+    assert text.split("## The paper's claims")[1].split("## Provenance")[0] == claims.replace(
+        "of 180 trials", "of 360 trials"
+    )
+    means = report_tables(failed(both, shape="cat", method="lumo"))["method_means"][1]
+    assert means.groupby("light_track").size().tolist() == [len(MEASURES) * 5] * 2
+
+
+def test_a_study_of_one_method_still_has_a_report(trials, tmp_path):
+    write_report(trials[trials["method"] == "todo"], {}, tmp_path)
+    assert "There is none to compare" in (tmp_path / REPORT_NAME).read_text()
+
+
+def test_a_study_in_which_all_failed_still_has_a_report(trials, tmp_path):
+    broken = trials.copy()
+    for method in trials["method"].unique():
+        broken = failed(broken, method=method)
+    write_report(broken, {}, tmp_path)
+    assert "180 of 180 trials ended in an error" in (tmp_path / REPORT_NAME).read_text()
+
+
+def test_an_empty_table_has_no_report(trials, tmp_path):
+    with pytest.raises(ToonkitError, match="at least one trial"):
+        write_report(trials.iloc[:0], {}, tmp_path)
+
+
+def test_extremes_name_the_best_and_the_worst_groups(trials):
+    groups = breakdown(trials, "angular_error", "shape")
+    named = extremes(groups, "angular_error").loc["todo"]
+    assert named["best"].startswith(f"{groups['todo'].idxmin()} ")
+    assert named["worst"].startswith(f"{groups['todo'].idxmax()} ")
+    assert not set(re.findall("[a-z]+", named["best"])) & set(re.findall("[a-z]+", named["worst"]))
+
+
+def test_a_method_that_is_alike_everywhere_has_no_extremes(trials):
+    groups = breakdown(trials, "angular_error", "shape").assign(lumo=20.0)
+    assert extremes(groups, "angular_error").loc["lumo", "best"] == "alike on all"
+
+
+def test_the_response_is_headed_as_a_median(trials):
+    assert "response to the light, median" in shown_means(method_means(trials)).columns
+
+
+def test_refinements_are_counted_over_completed_trials(trials):
+    table = refinements(failed(trials, shape=SHAPES[0], color_map=COLOR_MAPS[0], method="todo"))
+    assert table.loc["todo", ["completed", "failed", "sweeps, median"]].tolist() == [35, 1, 50]
+    assert table.loc["todo", "seconds"] == pytest.approx(35 * 0.5)

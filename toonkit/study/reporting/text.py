@@ -1,0 +1,209 @@
+"""report_text: a study in words and tables, as Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from toonkit.study.measures import MEASURES
+from toonkit.study.reporting.cells import cells, failures, on_track, statement, tracks
+from toonkit.study.reporting.comparisons import comparisons, has_pairs
+from toonkit.study.reporting.findings import RULE, Finding, disagreements, findings
+from toonkit.study.reporting.statistics import (
+    GROUPINGS,
+    HEADLINE,
+    RESAMPLES,
+    Grouping,
+    breakdown,
+    method_means,
+)
+from toonkit.study.reporting.tables import (
+    best_methods,
+    extremes,
+    refinements,
+    shown_breakdown,
+    shown_comparisons,
+    shown_findings,
+    shown_means,
+    shown_refinements,
+)
+
+SHOWN_BY_GROUP = ("angular_error", "relight_rmse")
+"""Measures whose means by shape and by color map stand in the text."""
+
+TRACK_NAMES = {"given": "the true light given", "estimated": "the light estimated"}
+
+_HOW = (
+    f"Brackets hold 95 % intervals of a bootstrap over shapes and color maps, both drawn anew for each of {RESAMPLES:,} "
+    "resamples. **Bold** is the best of the methods that estimate something; `flat` leaves the picture as it is, so that "
+    "its input error and its response are 0 by construction. The response is a ratio and its center a median; 1 is right."
+)
+_HOW_PAIRS = (
+    "A difference below 0 means that the first method is better. Trials in which one method failed are lost to the other. "
+    "p-values are Wilcoxon's signed-rank test over trials, which are not independent, and over the shapes' own centers, "
+    "which are; each column is corrected by Holm's method for all rows of this table."
+)
+
+
+def report_text(
+    trials: pd.DataFrame, provenance: Mapping[str, Any], *, figures: Mapping[str, str] | None = None
+) -> str:
+    """
+    Write a study's report as Markdown.
+
+    Parameters
+    ----------
+    trials : DataFrame
+        The study's table.
+    provenance : mapping
+        As of `write_report`.
+    figures : mapping of str to str, optional
+        Address of each picture, with its caption.
+
+    Returns
+    -------
+    str
+        The text.
+    """
+    parts = {track: on_track(trials, track) for track in tracks(trials)}
+    first = next(iter(parts.values()), trials)
+    found = findings(first)
+    sections = [
+        _opening(first),
+        *(_means_section(track, part) for track, part in parts.items()),
+        f"## The paper's claims\n\n{_markdown(shown_findings(found))}\n\n{RULE}\n\n{findings_text(found)}",
+        f"### Where the numbers disagree with the paper\n\n{disagreements_text(found)}",
+        _pairs_section(first),
+        *(_breakdown_section(first, by) for by in GROUPINGS),
+        _failures_section(trials),
+        "## Refinements\n\n" + _markdown(shown_refinements(refinements(first))),
+        f"## Provenance\n\n{provenance_text(first, provenance)}",
+    ]
+    if figures:
+        shown = (f"![{caption}]({address})\n\n*{caption}*" for address, caption in figures.items())
+        sections.append("## Figures\n\n" + "\n\n".join(shown))
+    return "\n\n".join(sections) + "\n"
+
+
+def findings_text(found: Sequence[Finding]) -> str:
+    """Write the paper's claims as Markdown, one by one, each with its verdict and its checks."""
+    claims = []
+    for finding in found:
+        checks = "\n".join(f"- {check}" for check in finding.checks)
+        claims.append(
+            f"**({finding.key}) {finding.claim}** Section {finding.section}; {finding.verdict}. "
+            f"{finding.measured}\n\n{checks}"
+        )
+    return "\n\n".join(claims)
+
+
+def disagreements_text(found: Sequence[Finding]) -> str:
+    """Write as a list in Markdown where the numbers are against the paper or do not bear it out."""
+    return "\n".join(f"- {text}" for text in disagreements(found)) or "Nowhere: every check holds."
+
+
+def _opening(trials: pd.DataFrame) -> str:
+    table = cells(trials, HEADLINE[0])
+    counts = f"{len(table.shapes)} shapes x {len(table.color_maps)} color maps x {len(table.methods)} methods"
+    size = int(trials["size"].iloc[0])
+    return f"# Study: {counts}\n\nPictures of {size} x {size} pixels."
+
+
+def _means_section(track: str, trials: pd.DataFrame) -> str:
+    means = method_means(trials)
+    shown, best = shown_means(means), best_methods(means)
+    for column, methods in best.items():
+        for method in methods:
+            shown.loc[method, column] = f"**{shown.loc[method, column]}**"
+    # Upright, eight measures would not fit a page.
+    text = f"## Methods, {TRACK_NAMES.get(track, track)}\n\n{_markdown(shown.T.rename_axis('measure'))}\n\n{_HOW}"
+    kept = means.groupby("measure", sort=False)["trials"].first()
+    fewer = kept[kept < kept.max()]
+    notes = [
+        f"{MEASURES[str(name)].label} over {count} of {kept.max()} pairs" for name, count in fewer.items()
+    ]
+    text += f"\n\n{statement(trials)}"
+    return text + (f" Undefined in some, and so over fewer: {'; '.join(notes)}." if notes else "")
+
+
+def _pairs_section(trials: pd.DataFrame) -> str:
+    if not has_pairs(trials):
+        return "## Pairs of methods\n\nThere is none to compare."
+    return f"## Pairs of methods\n\n{_markdown(shown_comparisons(comparisons(trials)), index=False)}\n\n{_HOW_PAIRS}"
+
+
+def _breakdown_section(trials: pd.DataFrame, by: Grouping) -> str:
+    parts = [f"## By {by.replace('_', ' ')}"]
+    for column in SHOWN_BY_GROUP:
+        groups = breakdown(trials, column, by)
+        parts.append(f"### {MEASURES[column].axis}")
+        parts.append(_markdown(shown_breakdown(groups, column)))
+        if len(groups) > 2:
+            parts.append(_markdown(extremes(groups, column)))
+    return "\n\n".join(parts)
+
+
+def _failures_section(trials: pd.DataFrame) -> str:
+    table = failures(trials)
+    if table.empty:
+        return "## Failures\n\nNo trial ended in an error."
+    return f"## Failures\n\n{len(table)} of {len(trials)} trials ended in an error.\n\n{_markdown(table, index=False)}"
+
+
+def provenance_text(trials: pd.DataFrame, provenance: Mapping[str, Any]) -> str:
+    """Write as a table in Markdown where the numbers come from: size, lights, versions, sweeps granted, and time."""
+    # What the table itself says comes first; then the sidecar, but for its long lists.
+    row = trials.iloc[0]
+    facts: dict[str, Any] = {
+        "size": f"{int(row['size'])} pixels",
+        "light": _angles((row["light_azimuth"], row["light_elevation"])),
+    }
+    settings = provenance.get("settings", {})
+    if "new_lights" in settings:
+        facts["new lights"] = "; ".join(_angles(angles) for angles in settings["new_lights"])
+    granted = provenance.get("refinement_as_printed", {})
+    if granted:
+        facts["granted to todo and lambert"] = ", ".join(
+            f"{name.replace('_', ' ')} {value}" for name, value in granted.items()
+        )
+    for column in ("toonkit", "python", "numpy", "scipy", "numba"):
+        facts[column] = ", ".join(map(str, trials[column].unique()))
+    facts |= {name: str(value) for name, value in provenance.get("versions", {}).items() if name not in facts}
+    facts |= {name: str(provenance[name]) for name in ("commit", "source") if provenance.get(name)}
+    facts |= {name: str(value) for name, value in provenance.get("machine", {}).items()}
+    runs = provenance.get("runs", [])
+    spent = [run["seconds"] for run in runs if run.get("seconds") is not None]
+    if spent:
+        unfinished = len(runs) - len(spent)
+        text = f"{_duration(sum(spent))} in {len(spent)} run{'s' if len(spent) > 1 else ''}"
+        facts["wall time"] = text + (f"; {unfinished} more did not finish" if unfinished else "")
+    facts["time of the analyses alone"] = _duration(float(trials["seconds"].sum()))
+    table = pd.DataFrame({"": facts.values()}, index=pd.Index(facts, name="what"))
+    return _markdown(table)
+
+
+def _markdown(table: pd.DataFrame, *, index: bool = True) -> str:
+    shown = table.reset_index() if index else table
+    rows = [[str(name) for name in shown.columns], ["---"] * len(shown.columns)]
+    rows += [[_cell(value) for value in row] for row in shown.itertuples(index=False)]
+    return "\n".join("| " + " | ".join(row) + " |" for row in rows)
+
+
+def _cell(value: Any) -> str:
+    # A line break or a bar would end the cell.
+    return " ".join(str(value).replace("|", "\\|").split())
+
+
+def _angles(angles: Iterable[float]) -> str:
+    azimuth, elevation = angles
+    return f"azimuth {azimuth:g}°, elevation {elevation:g}°"
+
+
+def _duration(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return (
+        f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s" if minutes else f"{seconds:.1f} s"
+    )

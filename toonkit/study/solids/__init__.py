@@ -1,0 +1,1 @@
+"""The solids of the study: how they are sculpted, and how rays meet them."""

@@ -1,0 +1,100 @@
+"""What the summary figures of a study share: colors and names of methods, dots, legends, and labels of measures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Literal
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import ArrayLike
+
+from toonkit._validation import FloatArray
+from toonkit.study.measures import MEASURES
+from toonkit.study.reporting.statistics import is_ratio
+from toonkit.viz.figures.style import INK, METHOD_COLORS, METHOD_LABELS
+
+PALE = "#e4e3df"
+"""Grids."""
+
+ROW = 0.19
+"""Inches for a row of names in `SMALL` type."""
+
+GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
+"""Its multiples fill an interval evenly."""
+
+
+def method_color(method: str, *, default: str = INK) -> str:
+    """Return a method's color, or another if the house style does not know it."""
+    return METHOD_COLORS.get(method, default)
+
+
+def method_label(method: str) -> str:
+    """Return a method's name in print."""
+    return METHOD_LABELS.get(method, method)
+
+
+def method_legend(figure: Figure, methods: Iterable[str]) -> None:
+    """Name the colors in a line above all panels."""
+    handles = [
+        Line2D(
+            [],
+            [],
+            marker="o",
+            linestyle="",
+            markersize=4.5,
+            color=method_color(name),
+            label=method_label(name),
+        )
+        for name in methods
+    ]
+    figure.legend(
+        handles=handles, loc="outside upper center", ncols=len(handles), handletextpad=0.2, columnspacing=1.6
+    )
+
+
+def guide(axes: Axes, axis: Literal["x", "y", "both"]) -> None:
+    """Draw a grid below everything else."""
+    axes.set_axisbelow(True)
+    axes.grid(axis=axis, color=PALE, linewidth=0.5)
+
+
+def dot(axes: Axes, x: ArrayLike, y: ArrayLike, color: str, *, size: float = 4.2) -> None:
+    """Draw dots that stay apart where they overlap."""
+    axes.plot(
+        np.asarray(x),
+        np.asarray(y),
+        linestyle="",
+        marker="o",
+        markersize=size,
+        color=color,
+        markeredgecolor="white",
+        markeredgewidth=0.4,
+        zorder=3,
+    )
+
+
+def spread(count: int, width: float) -> FloatArray:
+    """Return offsets in -width..width that look like chance and are always the same."""
+    return np.asarray(width * (2.0 * ((np.arange(count) * GOLDEN) % 1.0) - 1.0))
+
+
+def apart(places: FloatArray, step: float) -> FloatArray:
+    """Return places with those that are equal set a step apart, around where they were."""
+    moved = np.asarray(places, dtype=np.float64).copy()
+    for place in np.unique(places):
+        same = np.flatnonzero(places == place)
+        moved[same] += step * (np.arange(len(same)) - (len(same) - 1) / 2)
+    return moved
+
+
+def axis_label(column: str) -> str:
+    """Return a measure's label and unit, and whether it stands for a median."""
+    return f"{MEASURES[column].axis}, median" if is_ratio(MEASURES[column]) else MEASURES[column].axis
+
+
+def spoken(name: str) -> str:
+    """Return a name as one writes it."""
+    return name.replace("_", " ")

@@ -1,0 +1,95 @@
+"""The study's tables for notebooks: each method beside its color, the best in bold."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pandas as pd
+
+from toonkit.study.measures import MEASURES
+from toonkit.study.reporting.comparisons import comparisons
+from toonkit.study.reporting.findings import Finding
+from toonkit.study.reporting.statistics import Grouping, breakdown, method_means
+from toonkit.study.reporting.tables import (
+    best_methods,
+    extremes,
+    heading,
+    refinements,
+    shown_comparisons,
+    shown_findings,
+    shown_means,
+    shown_refinements,
+)
+from toonkit.viz.figures.study_style import method_color, spoken
+
+VERDICT_COLORS = {"agrees": "#1a7f4b", "partly": "#9a6700", "disagrees": "#b3261e", "undecided": "#75757a"}
+
+_LOOK: list[dict[str, Any]] = [
+    {"selector": "th, td", "props": "text-align: left; padding: 0.25em 0.8em;"},
+    {"selector": "th", "props": "font-weight: 600;"},
+    {"selector": "td", "props": "font-variant-numeric: tabular-nums;"},
+]
+
+
+def means_table(trials: pd.DataFrame) -> Any:
+    """Return the centers of all methods with their intervals; measures down, methods across."""
+    means = method_means(trials)
+    table, best = shown_means(means), best_methods(means)
+
+    def weight(row: pd.Series) -> list[str]:
+        return ["font-weight: 700" if method in best.get(row.name, ()) else "" for method in row.index]
+
+    return _styled(table.T).apply(weight, axis=1)
+
+
+def comparisons_table(trials: pd.DataFrame) -> Any:
+    """Return the pairs of methods with differences, shares of trials won, and corrected p-values."""
+    return _styled(shown_comparisons(comparisons(trials))).hide(axis="index")
+
+
+def extremes_table(trials: pd.DataFrame, measure: str, by: Grouping) -> Any:
+    """Return on which shapes or color maps each method is best and worst."""
+    return _styled(extremes(breakdown(trials, measure, by), measure))
+
+
+def findings_table(found: list[Finding]) -> Any:
+    """Return the paper's claims with their verdicts, in color."""
+    return _styled(shown_findings(found)).map(
+        lambda verdict: f"color: {VERDICT_COLORS[verdict]}; font-weight: 700", subset=["verdict"]
+    )
+
+
+def refinements_table(trials: pd.DataFrame) -> Any:
+    """Return how the methods' refinements ended."""
+    return _styled(shown_refinements(refinements(trials)))
+
+
+def sweeps_table(sweeps: pd.DataFrame) -> Any:
+    """Return what more sweeps would have bought, with few decimals."""
+    shown = {
+        heading(name) if name in MEASURES else spoken(name): [_number(name, value) for value in sweeps[name]]
+        for name in sweeps.columns
+    }
+    return _styled(pd.DataFrame(shown)).hide(axis="index")
+
+
+def _styled(table: pd.DataFrame) -> Any:
+    """Return a `Styler` in which whatever is named after a method carries its color."""
+    # A name of the index would have a row of its own.
+    styler = table.rename_axis(index=None, columns=None).style.set_table_styles(_LOOK)
+    for axis in ("index", "columns"):
+        styler = styler.map_index(_marked, axis=axis)
+    return styler
+
+
+def _number(name: str, value: Any) -> str:
+    if not isinstance(value, int | float):
+        return str(value)
+    if name in MEASURES:
+        return MEASURES[name].shown(value)
+    return f"{value:,.0f}" if abs(value) >= 1000 or float(value).is_integer() else f"{value:.4g}"
+
+
+def _marked(name: object) -> str:
+    color = method_color(str(name), default="")
+    return f"border-left: 0.5em solid {color};" if color else ""
