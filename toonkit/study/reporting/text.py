@@ -87,6 +87,16 @@ def report_text(
     return "\n\n".join(sections) + "\n"
 
 
+def means_text(means: pd.DataFrame) -> str:
+    """Write what `toonkit.study.reporting.statistics.method_means` returns as a table in Markdown, the best in bold."""
+    shown = shown_means(means)
+    for column, methods in best_methods(means).items():
+        for method in methods:
+            shown.loc[method, column] = f"**{shown.loc[method, column]}**"
+    # Upright, eight measures would not fit a page.
+    return _markdown(shown.T.rename_axis("measure"))
+
+
 def findings_text(found: Sequence[Finding]) -> str:
     """Write the paper's claims as Markdown, one by one, each with its verdict and its checks."""
     claims = []
@@ -113,12 +123,7 @@ def _opening(trials: pd.DataFrame) -> str:
 
 def _means_section(track: str, trials: pd.DataFrame) -> str:
     means = method_means(trials)
-    shown, best = shown_means(means), best_methods(means)
-    for column, methods in best.items():
-        for method in methods:
-            shown.loc[method, column] = f"**{shown.loc[method, column]}**"
-    # Upright, eight measures would not fit a page.
-    text = f"## Methods, {TRACK_NAMES.get(track, track)}\n\n{_markdown(shown.T.rename_axis('measure'))}\n\n{_HOW}"
+    text = f"## Methods, {TRACK_NAMES.get(track, track)}\n\n{means_text(means)}\n\n{_HOW}"
     kept = means.groupby("measure", sort=False)["trials"].first()
     fewer = kept[kept < kept.max()]
     notes = [
