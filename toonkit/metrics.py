@@ -23,6 +23,10 @@ from toonkit.model.normals import NormalField
 from toonkit.numerics.masked_grid import rim_mask
 
 
+UNCHANGED = 1e-9
+"""Color RMSE up to which two pictures are the same but for rounding."""
+
+
 @dataclass(frozen=True, eq=False)
 class ErrorSummary:
     """
@@ -223,7 +227,7 @@ def relight_response(
     """
     same_mask("true_before", true_before.mask, before.mask, "the estimate")
     truth = color_rmse(true_after, true_before)
-    return color_rmse(after, before) / truth if truth > 0 else float("nan")
+    return color_rmse(after, before) / truth if truth > UNCHANGED else float("nan")
 
 
 def _same_object(image: ToonImage, reference: ToonImage) -> None:

@@ -16,6 +16,7 @@ from toonkit._validation import FloatArray, is_number, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.light_fit import LightEstimate, estimate_light
 from toonkit.metrics import (
+    UNCHANGED,
     PictureError,
     angular_error,
     color_difference,
@@ -370,7 +371,7 @@ def _relit(analysis: ToonAnalysis, painting: Painting, contestant: Contestant) -
 def _ratio(changes: list[float], true_changes: list[float]) -> float:
     """Root mean square over the lights, of ours by the truth's: a light that hardly changes the truth weighs little."""
     truth = float(np.linalg.norm(true_changes))
-    return float(np.linalg.norm(changes)) / truth if truth > 0 else float("nan")
+    return float(np.linalg.norm(changes)) / truth if truth > UNCHANGED else float("nan")
 
 
 def _angle(a: FloatArray, b: FloatArray) -> float:
