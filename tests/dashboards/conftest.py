@@ -2,19 +2,34 @@
 
 from __future__ import annotations
 
+import json
 import os
 import socket
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
+from dataclasses import asdict, replace
 from pathlib import Path
 from urllib.error import URLError
 from urllib.request import urlopen
 
+import numpy as np
 import pytest
+
+from toonkit.study.color_maps import load_color_maps
+from toonkit.study.contestants import contestants
+from toonkit.study.rendering import render_shape
+from toonkit.study.shapes import SHAPES
+from toonkit.study.table import CSV_NAME, PROVENANCE_NAME, as_table, write_csv
+from toonkit.study.trials import StudySettings, Trial, paint, run_trial
 
 ROOT = Path(__file__).parents[2]
 START_SECONDS = 60
+STUDY_SIZE = 48
+STUDY_SHAPES = ("sphere", "cone")
+STUDY_COLOR_MAPS = ("terracotta", "ocean")
+
 LOCAL = ("http://127.0.0.1", "ws://127.0.0.1", "data:", "blob:")
 
 
@@ -24,20 +39,20 @@ def free_port() -> int:
         return probe.getsockname()[1]
 
 
-@pytest.fixture(scope="session")
-def relight_url(tmp_path_factory):
+@contextmanager
+def served(name, log, *arguments):
+    """The address of a dashboard, served until the end of the block."""
     port = free_port()
-    log = tmp_path_factory.mktemp("serve") / "log"
-    command = [
-        sys.executable,
-        "-m",
-        "panel",
-        "serve",
-        str(ROOT / "dashboards" / "relight.py"),
+    command = [sys.executable, "-m", "panel", "serve", str(ROOT / "dashboards" / f"{name}.py")]
+    command += [
         "--port",
         str(port),
+        "--address",
+        "127.0.0.1",
+        "--allow-websocket-origin",
+        f"127.0.0.1:{port}",
     ]
-    command += ["--address", "127.0.0.1", "--allow-websocket-origin", f"127.0.0.1:{port}"]
+    command += ["--args", *map(str, arguments)] if arguments else []
     path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     with (
         log.open("w") as output,
@@ -45,12 +60,43 @@ def relight_url(tmp_path_factory):
             command, env={**os.environ, "PYTHONPATH": path}, stdout=output, stderr=subprocess.STDOUT
         ) as server,
     ):
-        url = f"http://127.0.0.1:{port}/relight"
+        url = f"http://127.0.0.1:{port}/{name}"
         try:
             _wait_for(url, server, log)
             yield url
         finally:
             server.terminate()
+
+
+@pytest.fixture(scope="session")
+def relight_url(tmp_path_factory):
+    with served("relight", tmp_path_factory.mktemp("serve") / "log") as url:
+        yield url
+
+
+@pytest.fixture(scope="session")
+def study_folder(tmp_path_factory):
+    """A study of two shapes and two color maps, small enough to be run here; one trial of it has failed."""
+    folder = tmp_path_factory.mktemp("study")
+    settings = StudySettings(size=STUDY_SIZE)
+    methods, records = contestants(), []
+    for shape in STUDY_SHAPES:
+        truth = render_shape(SHAPES[shape], STUDY_SIZE)
+        for name in STUDY_COLOR_MAPS:
+            painting = paint(truth, load_color_maps()[name], settings)
+            for method, contestant in methods.items():
+                trial = Trial(shape, name, method, "given")
+                records.append(run_trial(trial, SHAPES[shape].kind, painting, contestant))
+    records[-1] = replace(records[-1], angular_error=np.nan, error="ToonkitError: no shape")
+    write_csv(as_table(records), folder / CSV_NAME)
+    (folder / PROVENANCE_NAME).write_text(json.dumps({"settings": asdict(settings)}))
+    return folder
+
+
+@pytest.fixture(scope="session")
+def study_url(tmp_path_factory, study_folder):
+    with served("study", tmp_path_factory.mktemp("serve") / "log", study_folder) as url:
+        yield url
 
 
 def _wait_for(url, server, log):
@@ -83,4 +129,13 @@ def relight_page(page, relight_url, complaints):
     page.goto(relight_url)
     page.wait_for_selector(".relight:not(.empty)", timeout=START_SECONDS * 1000)
     page.wait_for_selector(".busy:not(.on)", state="attached")
+    return page
+
+
+@pytest.fixture
+def study_page(page, study_url, complaints):
+    page.set_viewport_size({"width": 1440, "height": 900})
+    page.goto(study_url)
+    page.wait_for_selector(".bk-Figure", timeout=START_SECONDS * 1000)
+    page.locator(".sheet img[alt='normal map']").nth(len(contestants())).wait_for()
     return page

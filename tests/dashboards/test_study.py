@@ -1,0 +1,75 @@
+"""The study page, driven as a visitor would."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.browser
+
+DASHBOARD = Path(__file__).parents[2] / "dashboards" / "study.py"
+
+# Where on the screen a place of the heat map lies, and what its color bar says.
+ON_SCREEN = """([x, y]) => {
+  const figure = [...Bokeh.documents[0]._all_models.values()].find((model) => model.type === "Figure")
+  const view = Bokeh.index.find_one(figure)
+  const box = view.el.getBoundingClientRect()
+  const frame = view.frame
+  return [box.x + frame.x_scale.compute(x), box.y + frame.y_scale.compute(y)]
+}"""
+COLOR_BAR = (
+    """() => [...Bokeh.documents[0]._all_models.values()].find((model) => model.type === "ColorBar").title"""
+)
+
+
+def choose(page, label, option):
+    page.get_by_role("combobox", name=label).click()
+    page.get_by_role("menuitem", name=option, exact=True).click()
+    page.get_by_role("listbox").wait_for(state="hidden")
+
+
+def pictures(page, trial):
+    """The pictures of a trial, once all methods have answered."""
+    sheet = page.locator(f'.sheet[aria-label="{trial}"]')
+    sheet.locator("img[alt='normal map']").nth(5).wait_for()
+    return tuple(image.get_attribute("src") for image in sheet.locator(".tile img").all())
+
+
+def test_the_page_opens_with_a_difference_and_a_trial_for_all_methods(study_page):
+    assert study_page.get_by_text("Normals, mean error: toonkit minus Todo & Yamaguchi").is_visible()
+    assert study_page.locator(".sheet .name").all_inner_texts()[0].startswith("Truth")
+    assert study_page.locator(".sheet .tile img").count() == 6 + 6 + 5 + 4 * 6
+
+
+def test_measure_and_methods_change_the_heat_map(study_page):
+    choose(study_page, "Measure", "relit, RMSE")
+    study_page.get_by_text("Relit, RMSE: toonkit minus Todo & Yamaguchi").wait_for()
+    study_page.wait_for_function(f"() => ({COLOR_BAR})().includes('relit, RMSE (sRGB)')")
+    choose(study_page, "Measure", "normals, mean error")
+    choose(study_page, "Compared with", "nothing")
+    study_page.locator('[data-value="flat"]').click()
+    study_page.get_by_text("Normals, mean error: Flat").wait_for()
+    study_page.get_by_text("1 of 4 cells have no value").wait_for()  # its failed trial is not passed over
+
+
+def test_a_click_on_a_cell_or_a_name_shows_that_trial(study_page):
+    shown = []
+    for place, trial in (((0, -1), "cone in terracotta"), ((1, 0), "sphere in ocean")):
+        study_page.mouse.click(*study_page.evaluate(ON_SCREEN, place))
+        shown.append(pictures(study_page, trial))
+    choose(study_page, "Shape", "cone")
+    shown.append(pictures(study_page, "cone in ocean"))
+    assert study_page.get_by_text("Cone in ocean").is_visible()
+    assert len(set(shown)) == 3
+
+
+def test_without_a_study_the_page_says_how_to_make_one(tmp_path, monkeypatch):
+    import panel as pn
+
+    monkeypatch.setattr(pn, "extension", lambda *_, **__: None)  # it would set up this process, not a page
+    page = runpy.run_path(str(DASHBOARD))["study_page"](tmp_path)
+    ((message,),) = page.main[0]
+    assert "toonkit study run -o study/" in message.object
+    assert str(tmp_path) in message.object

@@ -1,0 +1,263 @@
+"""What the study page knows and shows, without a page."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from toonkit import ToonkitError
+from toonkit.study.color_maps import load_color_maps
+from toonkit.study.contestants import FLAT, contestants
+from toonkit.study.rendering import render_shape
+from toonkit.study.shapes import SHAPES
+from toonkit.study.table import as_table
+from toonkit.study.trials import Record, StudySettings, Trial, paint, run_trial
+from toonkit.viz import study_examination, study_state
+from toonkit.viz.study_elements import MatrixLayout, difference_colors, heat_map
+from toonkit.viz.study_examination import Examination, examine
+from toonkit.viz.study_matrix import trial_matrix
+from toonkit.viz.study_sheet import trial_sheet
+from toonkit.viz.study_state import StudyState
+
+SIZE = 48
+SETTINGS = StudySettings(size=SIZE)
+
+# shape -> color map -> method -> angular error; porcelain stands behind ocean in the study's own order.
+ANGLES = {
+    "cat": {"porcelain": {"toonkit": 9.0, "todo": 12.0}, "ocean": {"toonkit": 10.0, "todo": 14.0}},
+    "sphere": {"porcelain": {"toonkit": 3.0, "todo": 2.0}, "ocean": {"toonkit": 4.0, "todo": 5.0}},
+}
+RESPONSES = {"toonkit": 0.9, "todo": 1.3}
+
+
+def run(work):
+    """Run a coroutine in a thread of its own: the browser tests may have left an event loop running in this one."""
+    with ThreadPoolExecutor(max_workers=1) as pool:
+        return pool.submit(asyncio.run, work).result()
+
+
+def record(shape, color_map, method, **measures):
+    kind = SHAPES[shape].kind if shape in SHAPES else "mesh"
+    return Record(shape, kind, color_map, method, "given", SIZE, 900, 129.0, 50.0, **measures)
+
+
+def table(*, without=None, failed=None, extra=()):
+    rows = []
+    for shape, maps in ANGLES.items():
+        for color_map, methods in maps.items():
+            for method, angle in methods.items():
+                key = (shape, color_map, method)
+                measures = {"angular_error": angle, "relight_response": RESPONSES[method]}
+                measures = {"error": "ToonkitError: no <shape>"} if key == failed else measures
+                rows += [] if key == without else [record(*key, **measures)]
+    return as_table([*rows, *extra])
+
+
+def angles(trials, **what):
+    return trial_matrix(trials, measure="angular_error", **{"method": "toonkit", **what})
+
+
+@pytest.fixture(autouse=True)
+def nothing_kept():
+    study_state._kept.clear()
+
+
+@pytest.fixture
+def state():
+    return StudyState(table(), SETTINGS)
+
+
+def test_rows_are_ordered_by_kind_and_columns_as_the_study_lists_its_color_maps():
+    bunny = record("bunny", "ocean", "toonkit", angular_error=1.0)
+    matrix = angles(table(extra=[bunny]))
+    assert matrix.shapes == ("sphere", "cat", "bunny")
+    assert matrix.kinds == ("primitive", "complex", "mesh")
+    assert matrix.color_maps == ("ocean", "porcelain")
+
+
+def test_a_method_alone_shows_its_values_and_their_means():
+    matrix = angles(table())
+    np.testing.assert_allclose(matrix.values, [[4, 3], [10, 9]])
+    np.testing.assert_allclose(matrix.row_means, [3.5, 9.5])
+    np.testing.assert_allclose(matrix.column_means, [7, 6])
+    assert matrix.label == "toonkit: normals, mean error (°)"
+    assert matrix.shown(matrix.mean) == "6.5°"
+
+
+def test_a_difference_of_two_methods_is_negative_where_the_first_is_better():
+    matrix = angles(table(), versus="todo")
+    np.testing.assert_allclose(matrix.values, [[-1, 1], [-4, -3]])
+    assert matrix.center == 0
+    assert matrix.limits[0] == -matrix.limits[1]
+    assert "toonkit is better in 3 of 4 trials" in matrix.summary
+    assert matrix.shown(-1.25) == "−1.2°"
+
+
+def test_a_difference_of_responses_is_one_of_distances_from_one():
+    matrix = trial_matrix(table(), measure="relight_response", method="toonkit", versus="todo")
+    np.testing.assert_allclose(matrix.values, -0.2)
+    assert trial_matrix(table(), measure="relight_response", method="todo").center == 1
+
+
+def test_two_methods_are_shown_on_one_scale():
+    assert angles(table()).limits == angles(table(), method="todo").limits
+
+
+@pytest.mark.parametrize(
+    ("hole", "reason"),
+    [("failed", "toonkit: ToonkitError: no <shape>"), ("without", "toonkit: not in the table")],
+)
+def test_a_trial_without_a_value_stays_in_the_picture_with_its_reason(hole, reason):
+    matrix = angles(table(**{hole: ("cat", "ocean", "toonkit")}), versus="todo")
+    np.testing.assert_array_equal(np.isnan(matrix.values), [[False, False], [True, False]])
+    assert matrix.cell_text(1, 0) == matrix.gaps[1, 0] == reason
+    np.testing.assert_allclose(matrix.row_means, [0, -3])
+    assert "1 of 4 cells have no value" in matrix.summary
+
+
+def test_a_track_with_fewer_trials_keeps_every_cell_in_its_place():
+    only = replace(record("cat", "porcelain", "todo", angular_error=20.0), light_track="estimated")
+    trials = table(extra=[only])
+    np.testing.assert_allclose(
+        angles(trials, method="todo", light_track="estimated").values, [[np.nan, np.nan], [np.nan, 20]]
+    )
+    assert np.isnan(angles(trials, light_track="estimated").values).all()
+    assert angles(trials, light_track="estimated").summary == "No trial has a value here."
+
+
+def test_the_page_opens_with_a_difference_and_its_median_trial(state):
+    assert (state.method, state.versus, state.measure) == ("toonkit", "todo", "angular_error")
+    assert (state.shape, state.color_map) == state.typical() == ("sphere", "ocean")
+    assert state.best() == ("cat", "ocean")
+    assert state.worst() == ("sphere", "porcelain")
+
+
+def test_a_method_is_not_compared_with_itself(state):
+    state.method = "todo"
+    assert state.versus == ""
+    assert list(state.param.versus.objects) == ["", "toonkit"]
+
+
+def test_an_empty_table_is_refused_with_what_to_run():
+    with pytest.raises(ToonkitError, match="toonkit study run"):
+        StudyState(table().iloc[:0], SETTINGS)
+
+
+def test_an_examination_gives_the_numbers_of_the_study_at_the_same_size():
+    truth = render_shape(SHAPES["cone"], SIZE)
+    painting = paint(truth, load_color_maps()["ocean"], SETTINGS)
+    rows = [
+        run_trial(Trial("cone", "ocean", name, "given"), "primitive", painting, method)
+        for name, method in contestants().items()
+    ]
+    state = StudyState(as_table(rows), SETTINGS)
+    run(state.examine())
+    answers = {answer.name: answer for answer in state.examination.answers}
+    assert list(answers) == ["truth", *state.methods]
+    assert state.examination.size == SIZE
+    for row in rows:
+        assert answers[row.method].mean_error == pytest.approx(row.angular_error, rel=1e-9)
+    np.testing.assert_array_equal(answers["truth"].picture, painting.image.to_rgba())
+    assert (state.step, state.fraction) == ("", 0.0)
+
+
+def test_a_newer_selection_ends_an_older_examination(state, monkeypatch):
+    def slow_for_the_sphere(shape, color_map, *, progress, light_track, settings, methods, **_):
+        while shape == "sphere":
+            progress("working", 0.5)
+            time.sleep(0.01)
+        return Examination(shape, color_map, light_track, settings.size, settings.light, (), tuple(methods))
+
+    async def two_selections():
+        older = asyncio.create_task(state.examine())
+        await asyncio.sleep(0.1)
+        state.select("cat", "ocean")
+        await asyncio.gather(older, state.examine())
+
+    monkeypatch.setattr(study_state, "examine", slow_for_the_sphere)
+    run(two_selections())
+    assert (state.examination.shape, state.step) == ("cat", "")
+
+
+def test_an_examination_that_fails_leaves_the_other_one_on_screen(state, monkeypatch):
+    run(state.examine())
+    before = state.examination
+
+    def fail(*_, **__):
+        raise ToonkitError("no light")
+
+    monkeypatch.setattr(study_state, "examine", fail)
+    state.select("cat", "ocean")
+    with pytest.raises(ToonkitError, match="no light"):
+        run(state.examine())
+    assert state.examination is before
+    assert (state.shape, state.color_map) == ("sphere", "ocean")
+
+
+def test_an_examination_is_kept(state, monkeypatch):
+    run(state.examine())
+    before = state.examination
+    monkeypatch.setattr(study_state, "examine", None)
+    run(state.examine())
+    assert state.examination is before
+
+
+def test_a_mesh_that_is_not_at_hand_is_said_to_be_none():
+    state = StudyState(as_table([record("bunny", "ocean", "todo", angular_error=7.0)]), SETTINGS)
+    run(state.examine())
+    page = trial_sheet(state.examination, state.records(state.examination), measure="angular_error")
+    assert "“bunny” does not ship with toonkit" in page
+    assert "7.0°" in page
+
+
+def test_a_method_that_fails_is_an_answer_that_says_so(monkeypatch):
+    def fail(*_, **__):
+        raise ToonkitError("no <shape>")
+
+    monkeypatch.setattr(study_examination, "contestants", lambda: {"flat": FLAT, "todo": type(FLAT)(fail)})
+    found = examine(
+        "sphere", "ocean", methods=["flat", "todo", "mine"], light_track="given", settings=SETTINGS
+    )
+    assert [bool(answer.failure) for answer in found.answers] == [False, False, True, True]
+    page = trial_sheet(found, {name: {} for name in found.methods}, measure="angular_error")
+    assert "ToonkitError: no &lt;shape&gt;" in page
+    assert "this method is not installed here" in page
+
+
+def test_a_sheet_shows_every_picture_and_sets_off_the_best_number():
+    found = examine(
+        "sphere", "ocean", methods=["toonkit", "flat"], light_track="estimated", settings=SETTINGS
+    )
+    numbers = {"toonkit": {"angular_error": 5.0}, "flat": {"angular_error": 2.0}}
+    page = trial_sheet(found, numbers, measure="angular_error")
+    assert (
+        page.count("<img") == 3 + 3 + 2 + 5 + 3 * 4
+    )  # pictures, normals, errors, color maps, four new lights
+    assert '<div class="number best">5.0°</div>' in page  # the trivial method does not compete
+    assert '<div class="number best">2.0°</div>' not in page
+
+
+def test_a_place_in_the_heat_map_is_a_cell_or_none():
+    layout = MatrixLayout(angles(table()))
+    assert layout.cell_at(1.1, layout.rows[1] + 0.3) == (1, 1)
+    assert layout.cell_at(layout.mean_column, 0.0) is None
+    assert layout.cell_at(0.0, -0.72) is None  # between the kinds
+
+
+def test_the_heat_map_has_a_rectangle_for_each_trial_and_mean_and_a_cross_for_a_gap():
+    matrix = angles(table(failed=("cat", "ocean", "toonkit")), versus="todo")
+    cells, crosses, means = heat_map(matrix)
+    assert len(cells) == 4 + 2 + 2 + 1
+    assert list(cells.dimension_values("text"))[2] == "toonkit: ToonkitError: no <shape>"
+    np.testing.assert_allclose(crosses.array(), [[0, MatrixLayout(matrix).rows[1]]])
+    assert list(means.dimension_values("text")) == ["±0.0", "−3.0", "−1.0", "−1.0", "−1.0"]
+
+
+def test_a_difference_is_blue_where_better_dark_where_even_and_orange_where_worse():
+    colors = difference_colors()
+    assert (colors[0], colors[128], colors[-1]) == ("#58b4f0", "#26282c", "#f08a3c")
