@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import logging
 import threading
 from collections.abc import Callable
 
@@ -11,20 +10,19 @@ import panel as pn
 import panel_material_ui as pmui
 from panel.models.esm import DataEvent
 
-from toonkit import METHODS, ToonAnalysis, ToonkitError
+from toonkit import METHODS, ToonAnalysis
 from toonkit.samples import sample_names, sample_path, sample_title
 from toonkit.viz.choice_cards import ChoiceCards, picture_choices, text_choices
-from toonkit.viz.relight_state import METHOD_DESCRIPTIONS, RelightState, prepare_sample
-from toonkit.viz.relight_view import RelightView
+from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading
+from toonkit.viz.relight_page.state import METHOD_DESCRIPTIONS, RelightState, prepare_sample
+from toonkit.viz.relight_page.view import RelightView
 
-ACCENT = "#e07a1f"
 PICTURE_TYPES = ["image/png", "image/jpeg", "image/webp", "image/tiff", ".tif", ".tiff"]
 LARGEST_FILE = "60MB"
 
 PICTURE_FIRST_SECONDS = 0.4
 TabMaker = Callable[[ToonAnalysis], pn.Column]
 
-WIDE = {"sizing_mode": "stretch_width"}
 TAB_SIZE = {"height": 380, **WIDE}
 
 COLOR_MAP_NOTE = (
@@ -43,24 +41,6 @@ DROP_ZONE = """
 .filepond--drop-label label { font-size: 13px; }
 .filepond--credits { display: none; }
 """
-THEME = {
-    "palette": {"primary": {"main": ACCENT}},
-    "components": {
-        "MuiAppBar": {
-            "styleOverrides": {
-                "root": {"backgroundColor": "#17181b", "color": "#f4f2ee", "boxShadow": "none"}
-            }
-        }
-    },
-}
-
-
-def report_error(error: Exception) -> None:
-    """Tell the user what went wrong; what is on screen stays."""
-    if not isinstance(error, ToonkitError):
-        logging.getLogger("toonkit.dashboards").error("relight page", exc_info=error)
-    if pn.state.notifications is not None:
-        pn.state.notifications.error(str(error) or type(error).__name__, duration=9000)
 
 
 def stage(state: RelightState) -> RelightView:
@@ -185,7 +165,7 @@ def normal_map_tab() -> TabMaker:
 
 
 def shape_tab() -> TabMaker:
-    from toonkit.viz.height_pane import HeightPane  # noqa: PLC0415
+    from toonkit.viz.relight_page.height_pane import HeightPane  # noqa: PLC0415
     from toonkit.viz.scene import height_scene  # noqa: PLC0415
 
     def make(shown: ToonAnalysis) -> pn.Column:
@@ -231,10 +211,6 @@ def note(text: str) -> pmui.Typography:
     return pmui.Typography(text, variant="body2", color="text.secondary", margin=(8, 10, 4, 10))
 
 
-def heading(text: str) -> pmui.Typography:
-    return pmui.Typography(text, variant="overline", margin=(8, 12, 0, 12))
-
-
 def relight_page() -> pmui.Page:
     """Return the page for one visitor, with the first sample on its way."""
     state = RelightState()
@@ -262,7 +238,7 @@ def start_with(name: str) -> threading.Thread:
     return thread
 
 
-pn.extension("vtk", "filedropper", notifications=True, exception_handler=report_error)
+pn.extension("vtk", "filedropper", notifications=True, exception_handler=error_reporter("relight page"))
 
 if pn.state.served:
     pn.state.as_cached("first sample", start_with, name=sample_names()[0])

@@ -6,7 +6,6 @@ Start it with `panel serve dashboards/study.py`, or with `--args FOLDER` behind 
 from __future__ import annotations
 
 import asyncio
-import logging
 import sys
 from pathlib import Path
 
@@ -17,35 +16,16 @@ import param
 from toonkit import ToonkitError
 from toonkit.study.table import load_trials, settings_of
 from toonkit.viz.choice_cards import ChoiceCards, text_choices
-from toonkit.viz.study_elements import live_heat_map
-from toonkit.viz.study_examination import Examination
-from toonkit.viz.study_matrix import spoken
-from toonkit.viz.study_sheet import SHEET_STYLE, sheet_note, trial_sheet
-from toonkit.viz.study_state import StudyState
+from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading
+from toonkit.viz.study_page.elements import live_heat_map
+from toonkit.viz.study_page.examination import Examination
+from toonkit.viz.study_page.matrix import spoken
+from toonkit.viz.study_page.sheet import SHEET_STYLE, sheet_note, trial_sheet
+from toonkit.viz.study_page.state import StudyState
 
-ACCENT = "#e07a1f"
 SHIPPED = Path(__file__).parents[1] / "notebooks" / "study"
-WIDE = {"sizing_mode": "stretch_width"}
-THEME = {
-    "palette": {"primary": {"main": ACCENT}},
-    "components": {
-        "MuiAppBar": {
-            "styleOverrides": {
-                "root": {"backgroundColor": "#17181b", "color": "#f4f2ee", "boxShadow": "none"}
-            }
-        }
-    },
-}
 LINE = "1px solid color-mix(in srgb, var(--panel-on-surface-color) 16%, transparent)"
 FRAME = {"border": LINE, "border-radius": "10px"}
-
-
-def report_error(error: Exception) -> None:
-    """Tell the user what went wrong; what is on screen stays."""
-    if not isinstance(error, ToonkitError):
-        logging.getLogger("toonkit.dashboards").error("study page", exc_info=error)
-    if pn.state.notifications is not None:
-        pn.state.notifications.error(str(error) or type(error).__name__, duration=9000)
 
 
 def heat_map_card(state: StudyState) -> pn.Column:
@@ -155,10 +135,6 @@ def note(text: str) -> pmui.Typography:
     return pmui.Typography(text, margin=(2, 12, 12, 12), sx={"fontSize": "13px", "opacity": 0.65})
 
 
-def heading(text: str) -> pmui.Typography:
-    return pmui.Typography(text, variant="overline", margin=(8, 12, 0, 12))
-
-
 def study_page(folder: Path) -> pmui.Page:
     """Return the page for one visitor, with a typical trial on its way; without a study, what to run."""
     try:
@@ -192,7 +168,7 @@ def page(main: list[pn.viewable.Viewable], choices: list[pn.viewable.Viewable]) 
     )
 
 
-pn.extension(notifications=True, exception_handler=report_error)
+pn.extension(notifications=True, exception_handler=error_reporter("study page"))
 
 if pn.state.served:
     study_page(Path(sys.argv[1]) if len(sys.argv) > 1 else SHIPPED).servable()

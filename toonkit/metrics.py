@@ -22,7 +22,6 @@ from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.numerics.masked_grid import rim_mask
 
-
 UNCHANGED = 1e-9
 """Color RMSE up to which two pictures are the same but for rounding."""
 

@@ -12,8 +12,8 @@ from PIL import Image
 
 import toonkit
 from toonkit import ToonkitError
-from toonkit.viz import relight_state
-from toonkit.viz.relight_state import RelightState
+from toonkit.viz.relight_page import state as relight_state
+from toonkit.viz.relight_page.state import RelightState
 
 
 def run(work):

@@ -9,7 +9,7 @@ import panel as pn
 import pytest
 
 from toonkit import light_direction, relight
-from toonkit.viz.relight_view import RelightView
+from toonkit.viz.relight_page.view import RelightView
 
 REMEMBER_PIXELS = """
 const draw = WebGL2RenderingContext.prototype.drawArrays;

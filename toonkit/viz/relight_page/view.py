@@ -1,6 +1,6 @@
 """The relight view: a drawing beside its relit picture, both with a light to drag (WebGL2, in the browser).
 
-A drag never waits for Python: the fragment shader in `relight_view.js` evaluates the formula of
+A drag never waits for Python: the fragment shader in `view.js` evaluates the formula of
 `toonkit.relighting`, and the light is sent back ten times a second. Where WebGL2 is missing, Python paints.
 """
 
@@ -20,7 +20,7 @@ from PIL import Image
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.light import light_direction
 from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, relight
-from toonkit.viz.textures import encode_textures
+from toonkit.viz.relight_page.textures import encode_textures
 
 
 class RelightView(pn.custom.JSComponent):
@@ -60,7 +60,7 @@ class RelightView(pn.custom.JSComponent):
     webgl = param.Boolean(True, doc="Whether the browser has WebGL2; told by the browser.")
     fallback_picture = param.Bytes(b"", doc="PNG of the relit picture, only without WebGL2.")
 
-    _esm = Path(__file__).with_name("relight_view.js")
+    _esm = Path(__file__).with_name("view.js")
 
     def __init__(self, **params: Any) -> None:
         self._analysis: ToonAnalysis | None = None

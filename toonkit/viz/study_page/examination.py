@@ -21,7 +21,7 @@ from toonkit.study.contestants import Contestant, contestants
 from toonkit.study.rendering import RenderedShape, render_shape
 from toonkit.study.shapes import SHAPES
 from toonkit.study.trials import Angles, LightTrack, Painting, StudySettings, paint
-from toonkit.viz.study_matrix import spoken
+from toonkit.viz.study_page.matrix import spoken
 
 EXAMINED_SIZE = 256
 """Pixels: enough to look at beside five others, and analyzed by all methods in a few seconds."""

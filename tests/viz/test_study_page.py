@@ -17,12 +17,13 @@ from toonkit.study.rendering import render_shape
 from toonkit.study.shapes import SHAPES
 from toonkit.study.table import as_table
 from toonkit.study.trials import Record, StudySettings, Trial, paint, run_trial
-from toonkit.viz import study_examination, study_state
-from toonkit.viz.study_elements import MatrixLayout, difference_colors, heat_map
-from toonkit.viz.study_examination import Examination, examine
-from toonkit.viz.study_matrix import trial_matrix
-from toonkit.viz.study_sheet import trial_sheet
-from toonkit.viz.study_state import StudyState
+from toonkit.viz.study_page import examination as study_examination
+from toonkit.viz.study_page import state as study_state
+from toonkit.viz.study_page.elements import MatrixLayout, difference_colors, heat_map
+from toonkit.viz.study_page.examination import Examination, examine
+from toonkit.viz.study_page.matrix import trial_matrix
+from toonkit.viz.study_page.sheet import trial_sheet
+from toonkit.viz.study_page.state import StudyState
 
 SIZE = 48
 SETTINGS = StudySettings(size=SIZE)

@@ -19,8 +19,8 @@ from toonkit.model.light import light_direction
 from toonkit.study.measures import MEASURES, Measure
 from toonkit.study.trials import Angles
 from toonkit.viz.elements import NEUTRAL
-from toonkit.viz.study_examination import Answer, Examination, Pixels
-from toonkit.viz.study_matrix import REFERENCE, spoken
+from toonkit.viz.study_page.examination import Answer, Examination, Pixels
+from toonkit.viz.study_page.matrix import REFERENCE, spoken
 
 ANGLE_LIMIT = 45.0
 """Degrees at the end of the error maps' scale: one for all trials, so that they can be compared."""

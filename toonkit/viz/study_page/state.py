@@ -16,8 +16,8 @@ from toonkit._validation import refuse
 from toonkit.study.measures import MEASURES
 from toonkit.study.reporting.cells import names_in, tracks
 from toonkit.study.trials import LightTrack, StudySettings
-from toonkit.viz.study_examination import EXAMINED_SIZE, Examination, examine
-from toonkit.viz.study_matrix import TrialMatrix, spoken, trial_matrix
+from toonkit.viz.study_page.examination import EXAMINED_SIZE, Examination, examine
+from toonkit.viz.study_page.matrix import TrialMatrix, spoken, trial_matrix
 
 FIRST_MEASURE = "angular_error"
 FIRST_METHODS = ("toonkit", "todo")

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from toonkit._validation import FloatArray
 from toonkit.model.luminance import tone
 from toonkit.study.color_maps import load_color_maps
-from toonkit.viz.study_matrix import TrialMatrix, spoken
-from toonkit.viz.study_state import StudyState
+from toonkit.viz.study_page.matrix import TrialMatrix, spoken
+from toonkit.viz.study_page.state import StudyState
 
 BACKEND = "bokeh"  # the import of its module above registers it, without a notebook's hv.extension
 

@@ -1,0 +1,40 @@
+"""What every dashboard looks like, and how it tells what went wrong."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from toonkit._validation import ToonkitError
+
+ACCENT = "#e07a1f"
+WIDE: dict[str, Any] = {"sizing_mode": "stretch_width"}
+NOTIFICATION_MILLISECONDS = 9000
+
+_BAR = {"backgroundColor": "#17181b", "color": "#f4f2ee", "boxShadow": "none"}
+THEME: dict[str, Any] = {
+    "palette": {"primary": {"main": ACCENT}},
+    "components": {"MuiAppBar": {"styleOverrides": {"root": _BAR}}},
+}
+
+
+def error_reporter(page: str) -> Callable[[Exception], None]:
+    """Return a handler that tells the user of an error and leaves what is on screen; what is no refusal is logged too."""
+
+    def report(error: Exception) -> None:
+        if not isinstance(error, ToonkitError):
+            logging.getLogger("toonkit.dashboards").error("%s", page, exc_info=error)
+        if pn.state.notifications is not None:
+            text = str(error) or type(error).__name__
+            pn.state.notifications.error(text, duration=NOTIFICATION_MILLISECONDS)
+
+    return report
+
+
+def heading(text: str) -> pmui.Typography:
+    """Return the title of a part of the sidebar."""
+    return pmui.Typography(text, variant="overline", margin=(8, 12, 0, 12))

@@ -1,0 +1,1 @@
+"""The study dashboard: what it knows, and what it draws."""
