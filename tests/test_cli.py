@@ -91,6 +91,15 @@ def test_without_a_light_one_is_estimated(drawing, tmp_path, capsys):
     assert "estimated, confidence" in capsys.readouterr().out
 
 
+def test_an_estimate_that_explains_little_is_called_a_guess(drawing, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("toonkit.cli.UNSURE", 1.1)
+    assert main(["analyze", str(drawing), "-o", str(tmp_path)]) == 0
+    assert "this light is a guess" in capsys.readouterr().out
+    monkeypatch.setattr("toonkit.cli.UNSURE", 0.0)
+    assert main(["analyze", str(drawing), "-o", str(tmp_path)]) == 0
+    assert "this light is a guess" not in capsys.readouterr().out
+
+
 def test_methods_of_the_help_are_those_of_the_library():
     assert tuple(toonkit.METHODS) == METHOD_NAMES
 
@@ -202,6 +211,7 @@ def test_help_is_given(arguments, capsys):
         ("analyze {drawing} -o {out} --light nan,10", "azimuth must be a finite number"),
         ("analyze {tmp}/nowhere.png -o {out}", "source must be an existing file"),
         ("analyze {drawing} -o {drawing}", "folder must be a folder"),
+        ("analyze {drawing} --out={empty}", "folder must have a name"),
         ("analyze {drawing} -o {out} --mask {tmp}/nowhere.png", "mask must be an existing file"),
         ("analyze sample:nothing -o {out}", "drawing must be one of"),
         ("relight {tmp} --light 30,50 -o {tmp}/relit.png", "path must be an archive of an analysis"),
@@ -218,7 +228,7 @@ def test_help_is_given(arguments, capsys):
     ],
 )
 def test_what_cannot_be_done_is_refused_in_one_line(drawing, analyzed, tmp_path, capsys, arguments, reason):
-    places = {"drawing": drawing, "analyzed": analyzed, "tmp": tmp_path, "out": tmp_path / "out"}
+    places = {"drawing": drawing, "analyzed": analyzed, "tmp": tmp_path, "out": tmp_path / "out", "empty": ""}
     assert main([part.format(**places) for part in arguments.split()]) == 2
     said, complained = capsys.readouterr()
     assert said == ""

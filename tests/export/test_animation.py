@@ -74,6 +74,13 @@ def test_without_detail_only_the_model_is_painted(analysis, tmp_path):
     assert np.array_equal(frames[1], expected)
 
 
+def test_a_place_that_cannot_be_written_to_costs_no_painting(analysis, tmp_path):
+    painted = []
+    with pytest.raises(ToonkitError, match="existing folder"):
+        write_orbit(analysis, tmp_path / "nowhere" / "orbit.webp", frames=4, progress=painted.append)
+    assert not painted
+
+
 def test_a_cancelled_orbit_leaves_no_file(analysis, tmp_path):
     def cancel(_):
         raise KeyboardInterrupt
@@ -87,8 +94,9 @@ def test_a_cancelled_orbit_leaves_no_file(analysis, tmp_path):
     ("name", "options", "reason"),
     [
         ("orbit.mp4", {}, r"path must end in \.gif"),
-        ("orbit.gif", {"frames": 1}, "frames must be a whole number of at least 2"),
-        ("orbit.gif", {"frames": 2.5}, "frames must be a whole number of at least 2"),
+        ("orbit.gif", {"frames": 1}, "frames must be a whole number from 2 to 720"),
+        ("orbit.gif", {"frames": 2.5}, "frames must be a whole number from 2 to 720"),
+        ("orbit.gif", {"frames": 721}, "frames must be a whole number from 2 to 720"),
         ("orbit.gif", {"elevation": 91}, "elevation must lie in 0 to 90"),
         ("orbit.gif", {"elevation": float("nan")}, "elevation must lie in 0 to 90"),
     ],

@@ -25,6 +25,9 @@ METHOD_NAMES = ("toonkit", "todo", "lumo", "lambert")
 
 SAMPLE_PREFIX = "sample:"
 
+UNSURE = 0.3
+"""Confidence in an estimated light below which the summary says that it is a guess."""
+
 _EXIT_REFUSED = 2
 _EXIT_INTERRUPTED = 130
 
@@ -183,6 +186,8 @@ def _summarize(analysis: ToonAnalysis, drawing: str, folder: Path, notes: dict[s
     seconds = sum(notes["seconds"].values())
     print(f"{drawing}: {int(analysis.image.mask.sum()):,} pixels analyzed in {seconds:.1f} s")
     print(f"light: azimuth {round(azimuth) % 360}°, elevation {elevation:.0f}° ({source})")
+    if notes["light_confidence"] is not None and notes["light_confidence"] < UNSURE:
+        print("       this light is a guess; if you know where it was, say so with --light AZ,EL")
     print(f"written to {folder}:")
 
 

@@ -17,6 +17,9 @@ from toonkit.relighting import relight
 FRAME_MILLISECONDS = 60
 """How long a frame is shown: at 36 frames, one turn takes about two seconds."""
 
+MOST_FRAMES = 720
+"""Half a degree a frame; more would fill the memory and show nothing new."""
+
 _STEEPEST = 60.0  # degrees: a light at the viewer's eye would circle without any change
 _SHALLOWEST = 15.0
 _PALETTE_SAMPLES = 8
@@ -44,7 +47,7 @@ def write_orbit(
         Ends in .gif (256 colors, hard outline), .webp, .apng or .png (an APNG); all but GIF are lossless with
         soft alpha.
     frames : int, optional
-        Number of frames, at least 2.
+        Number of frames, 2 to 720.
     elevation : float, optional
         Degrees, 0 to 90; by default that of the analyzed light, kept within 15 to 60.
     keep_detail : bool, optional
@@ -62,8 +65,8 @@ def write_orbit(
     The first frame has the azimuth of the analyzed light, which then turns counter-clockwise.
     """
     suffix = suffix_of(path, (".gif", ".webp", ".apng", ".png"))
-    if not isinstance(frames, int | np.integer) or frames < 2:
-        raise refuse("frames", "must be a whole number of at least 2", frames)
+    if not isinstance(frames, int | np.integer) or not 2 <= frames <= MOST_FRAMES:
+        raise refuse("frames", f"must be a whole number from 2 to {MOST_FRAMES}", frames)
     azimuth, analyzed_elevation = light_angles(analysis.light)
     if elevation is None:
         elevation = min(max(analyzed_elevation, _SHALLOWEST), _STEEPEST)
@@ -81,13 +84,12 @@ def write_orbit(
             if progress is not None:
                 progress((index + 1) / frames)
 
-    if suffix == ".gif":
-        palette = _common_palette([picture(i) for i in range(0, frames, max(1, frames // _PALETTE_SAMPLES))])
-        encoded = _encode_gif(pictures(), palette)
-    else:
-        encoded = _encode_webp(pictures()) if suffix == ".webp" else _encode_apng(pictures())
-    with atomic_write(path) as file:
-        file.write(encoded)
+    with atomic_write(path) as file:  # first of all: a place that cannot be written to costs no painting
+        if suffix == ".gif":
+            samples = range(0, frames, max(1, frames // _PALETTE_SAMPLES))
+            file.write(_encode_gif(pictures(), _common_palette([picture(index) for index in samples])))
+        else:
+            file.write(_encode_webp(pictures()) if suffix == ".webp" else _encode_apng(pictures()))
 
 
 def _encode_webp(pictures: Iterator[Image.Image]) -> bytes:

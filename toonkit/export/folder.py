@@ -37,8 +37,10 @@ def make_folder(path: PathLike) -> Path:
     Raises
     ------
     ToonkitError
-        If a file is in its place or the disk refuses.
+        If it has no name, a file is in its place, or the disk refuses.
     """
+    if not str(path).strip():
+        raise refuse("folder", "must have a name", "an empty one")
     folder = Path(path).expanduser()
     try:
         folder.mkdir(parents=True, exist_ok=True)
