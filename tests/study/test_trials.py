@@ -68,7 +68,10 @@ def test_a_turn_of_all_normals_is_the_angular_error(painting):
 def test_relit_pictures_are_measured_as_the_public_functions_do(painting):
     record = run_trial(GIVEN, "complex", painting, contestants()["lumo"])
     analysis = toonkit.analyze(painting.image, painting.light, method="lumo")
-    relit = [toonkit.relight(analysis, toonkit.light_direction(*angles)) for angles in SETTINGS.new_lights]
+    relit = [
+        toonkit.relight(analysis, toonkit.light_direction(*angles), keep_detail=False)
+        for angles in SETTINGS.new_lights
+    ]
     rmse = [toonkit.color_rmse(ours, true) for ours, true in zip(relit, painting.relit, strict=True)]
     changes = [toonkit.color_rmse(ours, analysis.picture) for ours in relit]
     true_changes = [toonkit.color_rmse(true, painting.image) for true in painting.relit]
@@ -94,13 +97,31 @@ def test_under_one_light_the_response_is_the_public_one():
     one = paint(render_shape(SHAPES["pear"], 48), load_color_maps()["terracotta"], settings)
     record = run_trial(GIVEN, "complex", one, contestants()["lumo"])
     analysis = toonkit.analyze(one.image, one.light, method="lumo")
-    relit = toonkit.relight(analysis, toonkit.light_direction(30, 40))
+    relit = toonkit.relight(analysis, toonkit.light_direction(30, 40), keep_detail=False)
     response = toonkit.relight_response(analysis.picture, relit, one.image, one.relit[0])
     assert record.relight_response == pytest.approx(response)
 
 
 def broken(image: ToonImage, light, *, progress=None) -> ToonAnalysis:
     raise RuntimeError("no idea")
+
+
+def vandal(image: ToonImage, light, *, progress=None) -> ToonAnalysis:
+    """Smears its input."""
+    image.color[:] = 0.5
+    return toonkit.METHODS["lumo"](image, light)
+
+
+def test_a_method_that_changes_its_input_changes_nothing_else(painting):
+    before = painting.image.color.copy()
+    assert run_trial(GIVEN, "complex", painting, Contestant(vandal)).error == ""
+    assert np.array_equal(painting.image.color, before, equal_nan=True)
+
+
+def test_lights_may_be_given_as_any_numbers():
+    settings = StudySettings(light=[129, 50], new_lights=[(0, 25), np.array([90, 60], dtype=np.float32)])
+    assert settings == StudySettings(light=(129.0, 50.0), new_lights=((0.0, 25.0), (90.0, 60.0)))
+    assert hash(settings)
 
 
 def elsewhere(image: ToonImage, light, *, progress=None) -> ToonAnalysis:

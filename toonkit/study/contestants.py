@@ -22,6 +22,10 @@ from toonkit.relighting import relight
 TOWARD_VIEWER = light_direction(0.0, 90.0)
 
 
+def _by_the_model(analysis: ToonAnalysis, new_light: FloatArray) -> ToonImage:
+    return relight(analysis, new_light, keep_detail=False)
+
+
 @dataclass(frozen=True)
 class Contestant:
     """
@@ -34,12 +38,13 @@ class Contestant:
     picture : callable, ToonAnalysis -> ToonImage
         The input as the method explains it.
     relight : callable, (ToonAnalysis, light (3,)) -> ToonImage
-        The input under another light.
+        The input under another light: by default Eq. 7, without the detail that `toonkit.relight` can keep, so that what
+        is compared is what the method found.
     """
 
     analyze: Method
     picture: Callable[[ToonAnalysis], ToonImage] = lambda analysis: analysis.picture
-    relight: Callable[[ToonAnalysis, FloatArray], ToonImage] = relight
+    relight: Callable[[ToonAnalysis, FloatArray], ToonImage] = _by_the_model
 
 
 def flat(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = None) -> ToonAnalysis:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import platform
 import time
 from dataclasses import dataclass, replace
@@ -65,10 +66,17 @@ class StudySettings:
             raise refuse("size", f"must be a whole number of pixels, at least {MIN_SIZE}", self.size)
         if not self.new_lights:
             raise refuse("new_lights", "must hold at least one light", "none")
-        for name, angles in (("light", self.light), *(("new_lights", angles) for angles in self.new_lights)):
-            if len(angles) != 2 or not all(is_number(angle) for angle in angles):
-                raise refuse(name, "must be azimuth and elevation in degrees", angles)
-            light_direction(*angles)
+        object.__setattr__(self, "light", _checked_angles("light", self.light))
+        lights = tuple(_checked_angles("new_lights", angles) for angles in self.new_lights)
+        object.__setattr__(self, "new_lights", lights)
+
+
+def _checked_angles(argument: str, angles: Angles) -> Angles:
+    if len(angles) != 2 or not all(is_number(angle) for angle in angles):
+        raise refuse(argument, "must be azimuth and elevation in degrees", angles)
+    azimuth, elevation = (float(angle) for angle in angles)
+    light_direction(azimuth, elevation)
+    return azimuth, elevation
 
 
 @dataclass(frozen=True, order=True)
@@ -136,7 +144,8 @@ class Record:
     stopped : str
         Why it ended.
     seconds : float
-        Wall time of the analysis; the only column that differs between two runs of the same trial.
+        Wall time of the analysis, beside whatever else the machine did; the only column that differs between two runs of
+        the same trial.
     error : str
         Empty if all went well.
     toonkit, python, numpy, scipy, numba : str
@@ -297,8 +306,9 @@ def _measured(trial: Trial, painting: Painting, contestant: Contestant) -> dict[
     estimate = LightEstimate(painting.light, 1.0)
     if trial.light_track == "estimated":
         estimate = estimate_light(painting.image)
+    own = copy.deepcopy(painting.image)  # what a method does to its input is not done to its rivals'
     start = time.perf_counter()
-    analysis = contestant.analyze(painting.image, estimate.light)
+    analysis = contestant.analyze(own, estimate.light)
     seconds = time.perf_counter() - start
     return {
         "light_error": _angle(estimate.light, painting.light),
