@@ -11,7 +11,7 @@ import pandas as pd
 from toonkit.study.trials import Record
 
 SHAPES = ("sphere", "torus", "cat", "duck", "pear", "hand")
-COLOR_MAPS = ("plum_cream", "terracotta", "candy", "ocean", "lilac_soft", "clay_smooth")
+COLOR_MAPS = ("plum_cream", "terracotta", "candy", "ocean", "amber_steps", "clay_smooth")
 
 AS_THE_PAPER_SAYS: dict[str, dict[str, float]] = {
     "toonkit": {"angular_error": 12, "illumination_error": 0.08, "input_rmse": 0.01, "relight_rmse": 0.08},
@@ -20,6 +20,8 @@ AS_THE_PAPER_SAYS: dict[str, dict[str, float]] = {
     "lambert": {"angular_error": 26, "illumination_error": 0.20, "input_rmse": 0.02, "relight_rmse": 0.15},
     "flat": {"angular_error": 42, "illumination_error": 0.30, "input_rmse": 0.0, "relight_rmse": 0.22},
 }
+DOME = {"angular_error": 14, "illumination_error": 0.09, "input_rmse": 0.05, "relight_rmse": 0.09}
+"""A newcomer."""
 RESPONSES = {"toonkit": 1.0, "todo": 1.01, "lumo": 0.99, "lambert": 0.6, "flat": 0.0}
 
 
@@ -57,6 +59,15 @@ def study_table(
                     )
                 )
     return pd.DataFrame([asdict(record) for record in records])
+
+
+def with_newcomers(trials: pd.DataFrame, *names: str) -> pd.DataFrame:
+    """Return the table with newcomers that are all alike but for their noise."""
+    parts = [
+        study_table({name: DOME}, {name: 0.9}, seed=seed, noise=0.05)
+        for seed, name in enumerate(names, start=1)
+    ]
+    return pd.concat([trials, *parts], ignore_index=True)
 
 
 def failed(trials: pd.DataFrame, **which: str) -> pd.DataFrame:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 import trimesh
 
+import toonkit
 from toonkit.cli import main
+from toonkit.study.shapes import SHAPES
 from toonkit.study.table import load_provenance, load_trials
 
 SMALL = ["--size", "48", "--maps", "terracotta", "dusk_smooth", "--workers", "0"]
@@ -56,6 +58,64 @@ def test_both_light_tracks_can_be_run(tmp_path):
     assert table.max()["given"] == 0 < table.min()["estimated"]
 
 
+EXTENSION = """
+import toonkit
+from toonkit.study.registry import shape
+from toonkit.study.solids import distance_fields as solid
+
+def mine(image, light, *, progress=None):
+    return toonkit.METHODS["lumo"](image, light)
+
+def never(image, light, *, progress=None):
+    raise RuntimeError("no idea")
+
+toonkit.METHODS |= {"mine": mine, "never": never}
+
+@shape("egg", "complex")
+def egg():
+    return solid.ellipsoid((0.0, 0.0, 0.0), (0.7, 0.9, 0.7))
+"""
+
+
+@pytest.fixture
+def extension(tmp_path):
+    before = dict(toonkit.METHODS), dict(SHAPES)
+    path = tmp_path / "mine.py"
+    path.write_text(EXTENSION)
+    yield str(path)
+    for registry, kept in zip((toonkit.METHODS, SHAPES), before, strict=True):
+        registry.clear()
+        registry.update(kept)
+
+
+@pytest.mark.parametrize("workers", ["0", "1"])
+def test_a_file_of_ones_own_adds_methods_and_shapes(extension, tmp_path, capsys, workers):
+    command = ["study", "run", "-o", str(tmp_path / "study"), "--with", extension, "--size", "48"]
+    command += ["--shapes", "egg", "--maps", "terracotta", "--methods", "mine", "lumo", "--workers", workers]
+    assert main(command) == 0
+    table = load_trials(tmp_path / "study").set_index("method")
+    assert table.loc["mine", "angular_error"] == table.loc["lumo", "angular_error"]
+
+
+def test_what_failed_is_told_with_what_to_do(extension, tmp_path, capsys):
+    command = [
+        "study",
+        "run",
+        "-o",
+        str(tmp_path / "study"),
+        "--with",
+        extension,
+        "--shapes",
+        "sphere",
+        *SMALL,
+    ]
+    assert main([*command, "--methods", "never", "lumo"]) == 1
+    said = capsys.readouterr().out
+    assert "4 trials on file, 2 of them failed" in said
+    assert "2 x RuntimeError: no idea" in said
+    assert "--retry-failed" in said
+
+
 def test_the_list_names_everything(capsys):
     assert main(["study", "list"]) == 0
     printed = capsys.readouterr().out
@@ -73,6 +133,7 @@ def test_the_list_names_everything(capsys):
         (["run", "-o", "{}", "--workers", "-1"], "workers must"),
         (["run", "-o", "{}", "--workers", "1", "--scheduler", "tcp://a:1"], "not allowed with"),
         (["run", "-o", "{}", "--tracks", "guessed"], "light_tracks must"),
+        (["run", "-o", "{}", "--with", "nothing.py"], "--with must be a Python file"),
         (["report", "{}"], "toonkit study run"),
         (["report", "{}/nothing"], "toonkit study run"),
     ],

@@ -50,6 +50,8 @@ def test_both_light_tracks_double_the_trials():
         ({"light_tracks": ["guessed"]}, "light_tracks"),
         ({"light_tracks": []}, "light_tracks"),
         ({"meshes": [BALL, BALL]}, "meshes"),
+        ({"meshes": [MeshShape("torus", BALL.mesh)]}, "meshes"),
+        ({"color_maps": {"terracotta": ColorMap([[0, 0, 0], [1, 1, 1]])}}, "color_maps"),
     ],
 )
 def test_what_cannot_be_planned_is_refused(wrong, argument):

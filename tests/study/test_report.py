@@ -7,12 +7,12 @@ import re
 import pandas as pd
 import pytest
 
-from tests.synthetic_study import COLOR_MAPS, SHAPES, failed, study_table
+from tests.synthetic_study import COLOR_MAPS, SHAPES, failed, study_table, with_newcomers
 from toonkit import ToonkitError
 from toonkit.study.measures import MEASURES
 from toonkit.study.reporting.report import REPORT_NAME, report_tables, write_report
 from toonkit.study.reporting.statistics import breakdown, method_means
-from toonkit.study.reporting.tables import best_methods, extremes, refinements, shown_means
+from toonkit.study.reporting.tables import best_methods, extremes, refinements, shown_means, shown_refinements
 from toonkit.study.reporting.text import report_text
 
 PROVENANCE = {
@@ -109,6 +109,48 @@ def test_a_measure_that_is_undefined_in_some_trials_says_over_how_many_it_is(tri
     assert "response to the light over 35 of 36 pairs" in report_text(table, {})
 
 
+def test_the_most_frequent_errors_are_named_first_and_cut_short(trials):
+    broken = failed(failed(trials, method="lumo"), shape="cat", color_map="candy", method="todo")
+    rare = broken["error"].ne("") & (broken["method"] == "todo")
+    broken.loc[rare, "error"] = "MemoryError: " + "very " * 100 + "large"
+    section = report_text(broken, {}).split("## Failures")[1].split("\n## ")[0]
+    first, second = re.findall(r"^- (\d+ x .*)$", section, re.MULTILINE)
+    assert first == r"36 x ValueError: it \| broke"
+    assert second == "1 x " + ("MemoryError: " + "very " * 100)[:100] + " …"
+    assert "large" not in section
+
+
+def test_a_newcomer_has_its_rows_among_the_pairs(trials):
+    section = (
+        report_text(with_newcomers(trials, "dome"), {}).split("## Pairs of methods")[1].split("\n## ")[0]
+    )
+    for other in ("toonkit", "todo", "lumo", "lambert", "flat"):
+        assert f"| dome | {other} |" in section
+    two = report_text(with_newcomers(trials[trials["method"] == "lumo"], "dome"), {})
+    assert "| dome | lumo |" in two
+    assert "There is none to compare" not in two
+
+
+def test_pairs_are_told_by_their_interval_and_no_test_is_called_independent(text):
+    assert "interval is the primary evidence" in text
+    assert "p is approximate" in text
+    assert "p, shapes" not in text
+
+
+def test_one_picture_has_no_interval_and_no_verdict(trials):
+    one = trials[(trials["shape"] == "cat") & (trials["color_map"] == "candy")]
+    text = report_text(one, {})
+    assert "(too few for an interval)" in text
+    assert "nan" not in text
+    assert {cells_of(text, key)[2] for key in "abcdef"} == {"undecided"}
+
+
+def test_time_is_no_contest_and_says_how_it_was_taken(trials, text):
+    assert "time to analyze" not in text
+    assert best_methods(method_means(trials, ("seconds", "input_rmse"))).keys() == {"input, RMSE (sRGB)"}
+    assert "wall time, all cores busy" in shown_refinements(refinements(trials)).columns
+
+
 def test_no_failure_is_said_plainly(text):
     assert "No trial ended in an error." in text
 
@@ -126,7 +168,8 @@ def test_provenance_tells_size_lights_versions_sweeps_and_time(text):
 def test_a_report_without_provenance_tells_what_the_table_knows(trials):
     section = report_text(trials, {}).split("## Provenance")[1]
     assert "azimuth 129°, elevation 50°" in section
-    assert "wall time" not in section
+    assert "| wall time |" not in section
+    assert cells_of(section, "wall time of the analyses, all cores busy") == ["1 min 30 s"]
 
 
 def test_figures_are_shown_by_their_address_beside_the_report(trials, tmp_path):

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,9 +17,8 @@ import pytest
 import toonkit
 from tests.dashboards.conftest import free_port
 from toonkit import METHODS, ToonkitError
-from toonkit.study import provenance, runner
+from toonkit.study import cells, cluster
 from toonkit.study.plan import StudyPlan, plan_study
-from toonkit.study.provenance import MEASURED_BY, PACKAGE
 from toonkit.study.record_store import LOST
 from toonkit.study.runner import StudyProgress, run_study
 from toonkit.study.table import TIMING_COLUMNS, load_provenance, load_trials
@@ -85,13 +84,12 @@ def test_a_study_that_was_stopped_goes_on_with_what_is_missing(tmp_path, undistu
     with pytest.raises(EnoughError):
         run_study(plan(), tmp_path, workers=0, progress=stop)
     before = {path: path.stat().st_mtime_ns for path in records(tmp_path)}
-    assert len(before) == 7
+    assert len(before) == len(load_trials(tmp_path)) == 7
     seen: list[StudyProgress] = []
     assert_same(run_study(plan(), tmp_path, workers=0, progress=seen.append), undisturbed)
     assert (seen[0].done, seen[-1].done, seen[-1].total, len(seen)) == (7, TRIALS, TRIALS, TRIALS - 7 + 1)
     assert all(path.stat().st_mtime_ns == written for path, written in before.items())
-    runs = load_provenance(tmp_path)["runs"]
-    assert [(run["trials"], run["finished"] is None) for run in runs] == [(TRIALS, True), (TRIALS - 7, False)]
+    assert [run["trials"] for run in load_provenance(tmp_path)["runs"]] == [7, TRIALS - 7]
 
 
 def test_a_study_in_pieces_is_the_study(tmp_path, undisturbed):
@@ -118,12 +116,64 @@ def test_a_method_that_was_changed_is_measured_again(tmp_path, monkeypatch):
     assert errors[0] != errors[1]
 
 
+def test_the_table_never_mixes_two_versions_of_a_method(tmp_path, monkeypatch):
+    monkeypatch.setitem(METHODS, "mine", METHODS["lumo"])
+    both = {"color_maps": MAPS[:1], "methods": ["mine", "flat"]}
+    assert len(run_study(plan(**both), tmp_path, workers=0)) == 4
+    monkeypatch.setitem(METHODS, "mine", METHODS["lambert"])
+    table = run_study(plan(**both, shapes=["sphere"]), tmp_path, workers=0)
+    pd.testing.assert_frame_equal(load_trials(tmp_path), table)
+    left = set(zip(table["shape"], table["method"], strict=True))
+    assert left == {("sphere", "mine"), ("sphere", "flat"), ("torus", "flat")}
+    assert len(run_study(plan(**both), tmp_path, workers=0)) == 4
+
+
+def test_a_study_that_was_killed_shows_what_is_on_file(tmp_path):
+    small = {"shapes": ["sphere"], "color_maps": MAPS[:1]}
+    run_study(plan(**small, methods=["flat"]), tmp_path, workers=0)
+    table = (tmp_path / "trials.parquet").read_bytes()
+    run_study(plan(**small, methods=["lumo"]), tmp_path, workers=0)
+    (tmp_path / "trials.parquet").write_bytes(table)  # as a killed run leaves it
+    os.utime(tmp_path / "trials.parquet", ns=(0, 0))
+    assert set(load_trials(tmp_path)["method"]) == {"flat", "lumo"}
+
+
+def failing(image, light, *, progress=None):
+    raise MemoryError("just now")
+
+
+def test_a_failure_is_measured_again_only_if_that_is_asked_for(tmp_path, monkeypatch):
+    small = {"shapes": ["sphere"], "color_maps": MAPS[:1], "methods": ["mine"]}
+    attempts = []
+
+    def now_and_then(image, light, *, progress=None):
+        attempts.append(light)
+        return failing(image, light) if len(attempts) == 1 else METHODS["lumo"](image, light)
+
+    monkeypatch.setattr("toonkit.study.plan.method_digest", lambda method: "mine")
+    monkeypatch.setitem(METHODS, "mine", now_and_then)
+    assert (run_study(plan(**small), tmp_path, workers=0)["error"] == "MemoryError: just now").all()
+    attempts[:] = attempts[-1:]
+    assert (run_study(plan(**small), tmp_path, workers=0)["error"] == "MemoryError: just now").all()
+    assert (run_study(plan(**small), tmp_path, workers=0, retry_failed=True)["error"] == "").all()
+
+
+def test_a_folder_serves_one_run_at_a_time(tmp_path):
+    def another(progress: StudyProgress) -> None:
+        with pytest.raises(ToonkitError, match="in use by another run"):
+            run_study(plan(), tmp_path, workers=0)
+
+    run_study(
+        plan(shapes=["sphere"], color_maps=MAPS[:1], methods=["flat"]), tmp_path, workers=0, progress=another
+    )
+
+
 def test_a_folder_of_other_settings_or_other_code_is_refused(tmp_path, monkeypatch):
     small = {"shapes": ["sphere"], "color_maps": MAPS[:1], "methods": ["flat"]}
     run_study(plan(**small), tmp_path, workers=0)
     with pytest.raises(ToonkitError, match="same size and lights"):
         run_study(plan(**small, settings=StudySettings(size=32)), tmp_path, workers=0)
-    monkeypatch.setattr("toonkit.study.provenance.source_digest", lambda: "another")
+    monkeypatch.setattr("toonkit.study.provenance.CODE", "another")
     with pytest.raises(ToonkitError, match="this very code"):
         run_study(plan(**small), tmp_path, workers=0)
 
@@ -132,7 +182,7 @@ def test_a_shape_that_cannot_be_rendered_fails_in_all_its_trials(tmp_path, monke
     def render(subject, size):
         raise MemoryError("too large")
 
-    monkeypatch.setattr(runner, "render", render)
+    monkeypatch.setattr(cells, "render", render)
     table = run_study(plan(), tmp_path, workers=0)
     assert table["error"].tolist() == ["MemoryError: too large"] * TRIALS
 
@@ -172,15 +222,22 @@ def fatal(image, light, *, progress=None):
     os._exit(1)
 
 
-def test_a_method_that_kills_its_worker_is_a_row_with_its_error(tmp_path, monkeypatch):
+def test_a_method_that_kills_its_worker_fails_and_nothing_else_does(tmp_path, monkeypatch):
     monkeypatch.setitem(METHODS, "fatal", fatal)
-    small = {"shapes": ["sphere"], "color_maps": MAPS[:1]}
-    table = run_study(plan(**small, methods=["fatal"]), tmp_path, workers=1)
-    assert table["error"].str.startswith(LOST).tolist() == [True]
-    assert np.isnan(table["angular_error"]).all()
+    small = {"shapes": ["sphere", "torus"], "color_maps": MAPS[:1], "methods": ["fatal", "lumo", "flat"]}
+    table = run_study(plan(**small), tmp_path, workers=2)
+    assert set(table.loc[table["error"] != "", "method"]) == {"fatal"}
+    assert table.loc[table["method"] == "fatal", "error"].str.startswith(LOST).all()
+    assert np.isnan(table.loc[table["method"] == "fatal", "angular_error"]).all()
     monkeypatch.setitem(METHODS, "fatal", METHODS["lumo"])
-    again = run_study(plan(**small, methods=["fatal"]), tmp_path, workers=0)
+    again = run_study(plan(**small), tmp_path, workers=0)
     assert (again["error"] == "").all()
+
+
+def test_workers_with_other_code_are_refused(tmp_path, monkeypatch):
+    old = cells.Cell.of(plan().cells()[0], plan())
+    with pytest.raises(ToonkitError, match="this very toonkit"):
+        cells.measure(ToonkitError("not looked at"), replace(old, code="another"))
 
 
 @pytest.fixture
@@ -217,25 +274,8 @@ def test_two_processes_joined_to_a_scheduler_give_the_same_table(tmp_path, undis
     assert_same(run_study(plan(), tmp_path / "lost", workers=0), undisturbed)
 
 
-def test_every_module_that_a_number_depends_on_is_there_and_code_is_told_from_words(tmp_path):
-    assert all((PACKAGE / name).exists() for name in MEASURED_BY)
-    digest = provenance.source_digest.__wrapped__
-    copy = tmp_path / "toonkit"
-    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(provenance, "PACKAGE", copy)
-        original = digest()
-        path = copy / "metrics.py"
-        path.write_text(
-            path.read_text().replace("Units", "units").replace("\n\n\ndef", "\n\n\n# A word.\ndef")
-        )
-        assert digest() == original
-        path.write_text(path.read_text().replace("percentile(inside, 95)", "percentile(inside, 94)"))
-        assert digest() != original
-
-
 def test_a_scheduler_that_is_not_there_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(runner, "CONNECT_SECONDS", 1)
+    monkeypatch.setattr(cluster, "CONNECT_SECONDS", 1)
     with pytest.raises(ToonkitError, match="scheduler must be the address"):
         run_study(plan(), tmp_path, scheduler=f"tcp://127.0.0.1:{free_port()}")
 

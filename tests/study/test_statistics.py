@@ -6,11 +6,27 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.synthetic_study import AS_THE_PAPER_SAYS, COLOR_MAPS, RESPONSES, SHAPES, failed, study_table
+from tests.synthetic_study import (
+    AS_THE_PAPER_SAYS,
+    COLOR_MAPS,
+    RESPONSES,
+    SHAPES,
+    failed,
+    study_table,
+    with_newcomers,
+)
 from toonkit import ToonkitError
 from toonkit.study.measures import MEASURES
 from toonkit.study.reporting.cells import cells, completeness, failures, statement
-from toonkit.study.reporting.comparisons import compare, comparisons, holm
+from toonkit.study.reporting.comparisons import (
+    PAIRS,
+    compare,
+    comparisons,
+    has_pairs,
+    holm,
+    pairs_in,
+    signed_rank,
+)
 from toonkit.study.reporting.evidence import Check
 from toonkit.study.reporting.findings import Finding, disagreements, findings
 from toonkit.study.reporting.statistics import Interval, breakdown, center, contrast, method_means, resample
@@ -271,14 +287,41 @@ def test_equal_methods_differ_by_chance_only(trials):
         table["method"] == "todo", "angular_error"
     ].to_numpy()
     found = compare(table, "todo", "lumo", "angular_error")
-    assert (found.tied, found.p_trials, found.p_shapes) == (1.0, 1.0, 1.0)
+    assert (found.tied, found.p_shapes, found.p_color_maps, found.p) == (1.0, 1.0, 1.0, 1.0)
 
 
 def test_the_test_over_shapes_is_that_of_their_means(trials):
     found = compare(trials, "todo", "lambert", "angular_error")
     # Of six shapes that all agree, each of the two unanimous outcomes has a chance of 1 in 64.
     assert found.p_shapes == pytest.approx(2 / 64)
-    assert found.p_trials < found.p_shapes
+
+
+def test_the_less_sure_of_the_tests_over_shapes_and_over_color_maps_counts(trials):
+    table = trials.sort_values(["method", "color_map", "shape"], ignore_index=True)
+    todo, lumo = (table.index[table["method"] == name] for name in ("todo", "lumo"))
+    table.loc[todo, "angular_error"] = 20.0
+    # Every shape gains, on average over color maps; of the color maps two lose.
+    table.loc[lumo, "angular_error"] = 20.0 + np.repeat([5.0, 4.0, 3.0, 2.0, -1.0, -1.5], 6)
+    found = compare(table, "todo", "lumo", "angular_error")
+    assert found.p_shapes == pytest.approx(2 / 64)
+    assert found.p_color_maps > 0.1
+    assert found.p == found.p_color_maps
+
+
+def test_a_difference_that_is_chance_is_seldom_called_significant():
+    generator = np.random.default_rng(3)
+    shapes, both = [], []
+    for _ in range(200):
+        # No difference in the long run; the study's numbers of shapes and color maps, the latter of strong effects.
+        values = (
+            0.3 * generator.normal(size=(20, 1))
+            + generator.normal(size=(1, 24))
+            + generator.normal(size=(20, 24))
+        )
+        shapes.append(signed_rank(values))
+        both.append(max(shapes[-1], signed_rank(values.T)))
+    assert np.mean(np.array(shapes) < 0.05) > 0.3  # what shapes alone would call significant
+    assert np.mean(np.array(both) < 0.05) < 0.1
 
 
 def test_holm_agrees_with_an_example_worked_by_hand():
@@ -294,8 +337,9 @@ def test_holm_exceeds_no_probability():
 
 def test_p_values_are_corrected_over_all_comparisons_of_the_table(trials):
     table = comparisons(trials)
-    np.testing.assert_allclose(table["p_shapes_holm"], holm(table["p_shapes"]))
-    assert (table["p_shapes_holm"] >= table["p_shapes"]).all()
+    np.testing.assert_allclose(table["p"], table[["p_shapes", "p_color_maps"]].max(axis=1))
+    np.testing.assert_allclose(table["p_holm"], holm(table["p"]))
+    assert (table["p_holm"] >= table["p"]).all()
     flat = table[table["versus"] == "flat"]
     assert not set(flat["measure"]) & {"input_rmse", "relight_response"}  # where flat has no choice
 
@@ -303,6 +347,78 @@ def test_p_values_are_corrected_over_all_comparisons_of_the_table(trials):
 def test_a_table_of_one_method_has_nothing_to_compare(trials):
     with pytest.raises(ToonkitError, match="two methods"):
         comparisons(trials[trials["method"] == "todo"])
+
+
+def test_a_newcomer_is_compared_with_everyone_once(trials):
+    assert pairs_in(["toonkit", "todo", "lumo", "lambert", "flat"]) == PAIRS
+    assert pairs_in(["lumo", "dome"]) == (("dome", "lumo"),)
+    assert pairs_in(["todo", "dome", "bowl"]) == (("dome", "todo"), ("dome", "bowl"), ("bowl", "todo"))
+    table = comparisons(with_newcomers(trials, "dome"))
+    rows = table[table["method"] == "dome"]
+    assert set(rows["versus"]) == set(AS_THE_PAPER_SAYS)
+    assert rows.loc[rows["measure"] == "angular_error", "won"].notna().all()
+    assert set(table[["method", "versus"]].itertuples(index=False, name=None)) >= set(PAIRS)
+
+
+def test_a_newcomer_and_one_other_method_are_a_pair(trials):
+    two = with_newcomers(trials[trials["method"] == "lumo"], "dome")
+    assert has_pairs(two)
+    assert set(comparisons(two)["method"]) == {"dome"}
+    assert not has_pairs(two[two["method"] == "dome"])
+
+
+# Too few
+
+
+def few(trials, *, shapes=6, color_maps=6):
+    return trials[trials["shape"].isin(SHAPES[:shapes]) & trials["color_map"].isin(COLOR_MAPS[:color_maps])]
+
+
+POOR = [{"shapes": 1, "color_maps": 1}, {"shapes": 1}, {"color_maps": 1}, {"shapes": 4}, {"color_maps": 4}]
+
+
+@pytest.mark.parametrize("kept", POOR, ids=str)
+def test_too_few_shapes_or_color_maps_have_a_center_and_no_interval(trials, kept):
+    part = few(trials, **kept)
+    found = mean_of(part, "todo")
+    own = part[part["method"] == "todo"]["angular_error"]
+    assert found["center"] == pytest.approx(own.mean())
+    assert np.isnan([found["low"], found["high"]]).all()
+    table = comparisons(part)
+    assert table[["low", "high", "p", "p_holm"]].isna().all(axis=None)
+    assert table["difference"].notna().all()
+
+
+@pytest.mark.parametrize("kept", POOR, ids=str)
+def test_too_few_shapes_or_color_maps_decide_nothing(trials, kept):
+    found = findings(few(trials, **kept))
+    assert {check.outcome for finding in found for check in finding.checks} == {"undecided"}
+    assert "too few for an interval" in found[0].evidence
+
+
+def test_five_shapes_and_five_color_maps_are_enough(trials):
+    part = few(trials, shapes=5, color_maps=5)
+    assert np.isfinite(mean_of(part, "todo")["low"])
+    assert verdicts(part)["f"] == "agrees"
+
+
+def test_shapes_that_all_failed_do_not_count_as_enough(trials):
+    broken = failed(failed(trials, shape="cat", method="todo"), shape="duck", method="todo")
+    assert np.isnan(mean_of(broken, "todo")["low"])  # four shapes remain of six
+    assert verdicts(broken)["f"] == "undecided"
+
+
+def test_a_correlation_over_four_hard_color_maps_is_undecided(trials):
+    (finding,) = (
+        finding for finding in findings(trials[trials["color_map"] != "candy"]) if finding.key == "c"
+    )
+    assert [check.outcome for check in finding.checks[2:]][1] == "undecided"
+    assert "needs 5 shapes and 5 color maps" in finding.evidence
+
+
+def test_a_center_without_an_interval_says_so():
+    shown = Interval(-1.26, np.nan, np.nan, 1).shown(MEASURES["angular_error"])
+    assert shown == "−1.3° (too few for an interval)"
 
 
 # Findings

@@ -11,7 +11,7 @@ import toonkit
 from toonkit import ToonkitError
 from toonkit.study.registry import View
 from toonkit.study.shapes import SHAPES
-from toonkit.study.subjects import load_mesh, render, subject_digest
+from toonkit.study.subjects import load_mesh, render
 
 
 @pytest.fixture
@@ -40,12 +40,6 @@ def test_the_view_turns_the_mesh(tmp_path):
     trimesh.creation.box(extents=(2.0, 0.5, 0.5)).export(path)
     lying, standing = render(load_mesh(path), 48), render(load_mesh(path, View(roll=90)), 48)
     assert np.array_equal(np.rot90(lying.mask), standing.mask)
-
-
-def test_a_digest_tells_shapes_and_views_apart(ball_file):
-    seen = [SHAPES["cat"], SHAPES["duck"], load_mesh(ball_file), load_mesh(ball_file, View(yaw=5))]
-    assert len({subject_digest(subject) for subject in seen}) == len(seen)
-    assert subject_digest(load_mesh(ball_file)) == subject_digest(load_mesh(ball_file))
 
 
 @pytest.mark.parametrize(

@@ -26,6 +26,10 @@ DIGESTS = {
 }
 
 
+def sidecar(**changes):
+    return {"code": "1", "settings": {"size": 32}, "digests": DIGESTS, **changes}
+
+
 def records() -> list[Record]:
     settings = StudySettings(size=32)
     errors = ["", 'ValueError: a "quote", a comma\nand a line', "", ""]
@@ -65,25 +69,30 @@ def test_what_is_no_table_is_refused(tmp_path):
 
 
 def test_records_read_back_as_they_were_saved(tmp_path):
-    store = RecordStore(tmp_path, DIGESTS)
+    store = RecordStore(tmp_path, sidecar())
     for trial, record in zip(TRIALS, records(), strict=True):
-        assert not store.is_current(trial)
+        assert not store.is_done(trial)
         store.save(trial, record)
-        assert store.is_current(trial)
+        assert store.is_done(trial)
     pd.testing.assert_frame_equal(as_table(store.records()), as_table(records()))
 
 
 def test_a_record_of_another_method_color_map_or_shape_is_not_current(tmp_path):
     trial = TRIALS[0]
-    RecordStore(tmp_path, DIGESTS).save(trial, records()[0])
+    RecordStore(tmp_path, sidecar()).save(trial, records()[0])
     for group, name in (("shape", "b"), ("color_map", "plum"), ("method", "todo")):
         changed = {**DIGESTS, group: {**DIGESTS[group], name: "another"}}
-        assert not RecordStore(tmp_path, changed).is_current(trial)
-    assert RecordStore(tmp_path, DIGESTS).is_current(trial)
+        assert not RecordStore(tmp_path, sidecar(digests=changed)).is_done(trial)
+        assert RecordStore(tmp_path, sidecar(digests=changed)).records() == []
+        assert RecordStore(tmp_path, sidecar(digests=changed)).outdated() == 1
+    for other in ({"code": "2"}, {"settings": {"size": 33}}):
+        assert not RecordStore(tmp_path, sidecar(**other)).is_done(trial)
+    assert RecordStore(tmp_path, sidecar()).is_done(trial)
 
 
 def test_a_trial_whose_worker_was_lost_is_tried_again(tmp_path):
-    store = RecordStore(tmp_path, DIGESTS)
+    store = RecordStore(tmp_path, sidecar())
     store.save(TRIALS[0], unmeasured(TRIALS[0], "mesh", StudySettings(), error=f"{LOST}KilledWorker: gone"))
     store.save(TRIALS[1], unmeasured(TRIALS[1], "mesh", StudySettings(), error="ValueError: no"))
-    assert [store.is_current(trial) for trial in TRIALS[:2]] == [False, True]
+    assert [store.is_done(trial) for trial in TRIALS[:2]] == [False, True]
+    assert [store.is_done(trial, retry_failed=True) for trial in TRIALS[:2]] == [False, False]

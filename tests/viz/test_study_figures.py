@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 
 import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_hex
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.text import Text
+from skimage.color import deltaE_ciede2000, rgb2lab
 
-from tests.synthetic_study import COLOR_MAPS, SHAPES, failed, study_table
+from tests.synthetic_study import COLOR_MAPS, SHAPES, failed, study_table, with_newcomers
+from tests.viz.test_figures import COLOR_VISION
+from toonkit.model.luminance import linear_to_srgb, srgb_to_linear
 from toonkit.study.reporting.findings import findings
 from toonkit.study.reporting.statistics import breakdown
 from toonkit.viz.figures.study import CAPTIONS, FIGURES, write_figures
 from toonkit.viz.figures.study_groups import difference_map, error_by_tones, errors_by_group
-from toonkit.viz.figures.study_methods import error_distributions, fit_against_response, sweeps_figure
+from toonkit.viz.figures.study_methods import (
+    error_distributions,
+    fit_against_response,
+    paired_differences,
+    sweeps_figure,
+)
+from toonkit.viz.figures.study_style import SPARE_COLORS, method_colors
 from toonkit.viz.figures.study_tables import (
     comparisons_table,
     extremes_table,
@@ -26,15 +36,15 @@ from toonkit.viz.figures.study_tables import (
     refinements_table,
     sweeps_table,
 )
-from toonkit.viz.figures.style import METHOD_COLORS
+from toonkit.viz.figures.style import INK, METHOD_COLORS
 
 SWEEPS = pd.DataFrame(
     {
-        "sweeps": [50, 500, 5000],
-        "angular_error": [20.0, 18.0, 17.0],
-        "relight_rmse": [0.12, 0.11, 0.1],
-        "input_rmse": [0.05, 0.03, 0.02],
-        "energy": [90000.0, 50000.0, 40000.0],
+        "sweeps": [0, 20, 50, 100, 200, 500, 1000, 2000, 5000],
+        "angular_error": [24.0, 21.5, 20.0, 19.0, 18.5, 18.0, 17.6, 17.2, 17.0],
+        "relight_rmse": [0.15, 0.13, 0.12, 0.118, 0.115, 0.11, 0.105, 0.102, 0.1],
+        "input_rmse": [0.1, 0.07, 0.05, 0.04, 0.035, 0.03, 0.025, 0.022, 0.02],
+        "energy": [1.0, 0.7, 0.5, 0.4, 0.35, 0.3, 0.27, 0.26, 0.25],
     }
 )
 
@@ -149,7 +159,101 @@ def test_shares_of_trials_end_at_one(trials):
 
 def test_tones_are_those_of_the_hard_color_maps(trials):
     left = error_by_tones(trials).axes[0]
-    assert left.get_xticks().tolist() == [2, 3, 4, 5]  # of the table's four hard color maps
+    assert left.get_xticks().tolist() == [2, 3, 4, 5, 6]  # of the table's five hard color maps
+
+
+def test_no_sweep_at_all_stands_left_of_the_first_ones_and_apart_from_the_axis(drawn):
+    for axes in drawn["sweeps"].axes:
+        line = axes.lines[0]
+        places = axes.transData.transform(np.column_stack([line.get_xdata(), line.get_ydata()]))[:, 0]
+        assert line.get_xdata()[0] == 0
+        assert np.isfinite(places).all()
+        assert places[0] >= axes.bbox.x0 - 0.5
+        assert (np.diff(places) > 3).all()
+        labels = [text for text in axes.get_xticklabels() if text.get_text()]
+        assert [text.get_text() for text in labels] == ["0", "20", "100", "1,000"]
+        boxes = [text.get_window_extent() for text in labels]
+        assert all(one.x1 < next_one.x0 for one, next_one in itertools.pairwise(boxes))
+
+
+def rows_of(figure):
+    return [label.get_text() for label in figure.axes[0].get_yticklabels()]
+
+
+def test_pairs_of_a_newcomer_are_drawn(trials):
+    figure = paired_differences(with_newcomers(trials, "dome"))
+    FigureCanvasAgg(figure).draw()
+    assert texts_off_the_page(figure) == []
+    assert [row for row in rows_of(figure) if "dome" in row] == [
+        f"dome − {name}" for name in ("toonkit", "Todo & Yamaguchi", "Lumo", "Lambert", "Flat")
+    ]
+    two = paired_differences(with_newcomers(trials[trials["method"] == "lumo"], "dome"))
+    FigureCanvasAgg(two).draw()
+    assert rows_of(two) == ["dome − Lumo"]
+    assert texts_off_the_page(two) == []
+
+
+def test_a_dot_is_filled_by_the_corrected_p_over_shapes_and_color_maps(trials):
+    table = trials.sort_values(["method", "color_map", "shape"], ignore_index=True)
+    table = pd.concat([table[table["method"] == name] for name in ("todo", "lumo")], ignore_index=True)
+    table.loc[:35, "angular_error"], table.loc[36:, "angular_error"] = 20.0, 25.0
+    # All six shapes and all six color maps agree, but two measures are few enough for Holm only if p is halved.
+    (sure,) = dots(paired_differences(table, ("angular_error",)))
+    assert to_hex(sure.get_markerfacecolor()) != "#ffffff"
+    table.loc[36:, "angular_error"] = 20.0 + np.repeat([5.0, 4.0, 3.0, 2.0, -1.0, -1.5], 6)
+    (unsure,) = dots(
+        paired_differences(table, ("angular_error",))
+    )  # by shapes alone, p is as small as before
+    assert to_hex(unsure.get_markerfacecolor()) == "#ffffff"
+
+
+def dots(figure):
+    return [line for line in figure.axes[0].lines if line.get_marker() == "o"]
+
+
+def test_pairs_of_one_picture_are_drawn_without_intervals_and_say_so(trials):
+    one = trials[(trials["shape"] == "cat") & (trials["color_map"] == "candy")]
+    figure = paired_differences(one, ("angular_error",))
+    assert "too few for an interval" in figure.get_supxlabel()
+    assert {to_hex(dot.get_markerfacecolor()) for dot in dots(figure)} == {"#ffffff"}
+
+
+def test_newcomers_have_colors_of_their_own_in_every_figure(trials):
+    table = with_newcomers(trials, "dome", "bowl")
+    colors = method_colors(["toonkit", "dome", "bowl"])
+    assert len({*METHOD_COLORS.values(), INK, colors["dome"], colors["bowl"]}) == len(METHOD_COLORS) + 3
+    for draw in (FIGURES["distributions"], FIGURES["trade_off"], FIGURES["by_shape"], FIGURES["tones"]):
+        figure = draw(table)
+        (legend,) = figure.legends
+        shown = {
+            text.get_text(): to_hex(handle.get_color())
+            for text, handle in zip(legend.get_texts(), legend.legend_handles, strict=True)
+        }
+        assert (shown["dome"], shown["bowl"]) == (colors["dome"], colors["bowl"])
+        drawn_with = {to_hex(line.get_color()) for axes in figure.axes for line in axes.lines}
+        assert {colors["dome"], colors["bowl"]} <= drawn_with
+    assert colors["bowl"] in means_table(table).to_html()
+
+
+def test_a_newcomer_keeps_its_color_when_another_one_fails(trials):
+    table = failed(with_newcomers(trials, "dome", "bowl"), method="dome")
+    (legend,) = error_distributions(table).legends
+    assert to_hex(legend.legend_handles[-1].get_color()) == SPARE_COLORS[1]
+
+
+@pytest.mark.parametrize("vision", COLOR_VISION)
+def test_spare_colors_stay_apart_for_color_blind_readers(vision):
+    linear = srgb_to_linear([to_rgb(color) for color in (*METHOD_COLORS.values(), *SPARE_COLORS)])
+    seen = linear_to_srgb(np.clip(linear @ np.transpose(COLOR_VISION[vision]), 0, 1))
+    lab = rgb2lab(np.clip(seen, 0, 1))
+    assert min(deltaE_ciede2000(one, other) for one, other in itertools.combinations(lab, 2)) > 13
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_many_newcomers_fit_the_page(trials, name):
+    figure = FIGURES[name](with_newcomers(trials, *(f"newcomer_{number}" for number in range(5))))
+    FigureCanvasAgg(figure).draw()
+    assert texts_off_the_page(figure) == []
 
 
 def test_figures_are_written_for_screen_and_print(trials, tmp_path):
@@ -186,11 +290,14 @@ def test_a_figure_that_the_table_cannot_fill_is_left_out(trials, tmp_path, spoil
     [
         lambda table: failed(table, method="todo"),
         lambda table: table[(table["shape"] == "cat") & (table["color_map"] == "candy")],
+        lambda table: table[table["shape"] == "cat"],
     ],
-    ids=["a method that always fails", "a single picture"],
+    ids=["a method that always fails", "a single picture", "a single shape"],
 )
 def test_a_poor_table_is_drawn_all_the_same(trials, name, part):
-    FigureCanvasAgg(FIGURES[name](part(trials))).draw()
+    figure = FIGURES[name](part(trials))
+    FigureCanvasAgg(figure).draw()
+    assert texts_off_the_page(figure) == []
 
 
 def test_tables_show_methods_in_their_colors_and_the_best_in_bold(trials):

@@ -10,10 +10,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.synthetic_study import failed, study_table
 from toonkit import ToonkitError
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.contestants import FLAT, contestants
 from toonkit.study.rendering import render_shape
+from toonkit.study.reporting.comparisons import compare
+from toonkit.study.reporting.statistics import breakdown, method_means
 from toonkit.study.shapes import SHAPES
 from toonkit.study.table import as_table
 from toonkit.study.trials import Record, StudySettings, Trial, paint, run_trial
@@ -118,7 +121,53 @@ def test_a_trial_without_a_value_stays_in_the_picture_with_its_reason(hole, reas
     np.testing.assert_array_equal(np.isnan(matrix.values), [[False, False], [True, False]])
     assert matrix.cell_text(1, 0) == matrix.gaps[1, 0] == reason
     np.testing.assert_allclose(matrix.row_means, [0, -3])
+    assert "toonkit is better in 2 of 3 trials; the mean is −1.0°." in matrix.summary
     assert "1 of 4 cells have no value" in matrix.summary
+
+
+@pytest.mark.parametrize("measure", ["angular_error", "relight_response"])
+def test_means_are_those_of_the_report_whatever_failed(measure):
+    trials = failed(study_table(noise=0.2), shape="cat", color_map="candy", method="lumo")
+    # Not in what lumo failed at: a mean over toonkit's own trials would see it.
+    there = (trials["shape"] == "cat") & (trials["color_map"] == "candy") & (trials["method"] == "toonkit")
+    trials.loc[there, measure] = 1000.0
+    trials.loc[trials.index[0], "relight_response"] = 50.0
+    report = method_means(trials, (measure,)).set_index("method")
+    page = StudyState(trials, SETTINGS)
+    page.measure = measure
+    for method, text in page.means().items():
+        matrix = trial_matrix(trials, measure=measure, method=method)
+        assert matrix.mean == pytest.approx(report.loc[method, "center"], rel=1e-12)
+        assert text.startswith(matrix.shown(report.loc[method, "center"]))
+        assert text.endswith("(median)") == (measure == "relight_response")
+        for by, means in (("shape", matrix.row_means), ("color_map", matrix.column_means)):
+            groups = breakdown(trials, measure, by)
+            names = matrix.shapes if by == "shape" else matrix.color_maps
+            np.testing.assert_allclose(means, groups.loc[list(names), method])
+    name = "Median" if measure == "relight_response" else "Mean"
+    summary = trial_matrix(trials, measure=measure, method="toonkit").summary
+    assert summary.startswith(name)
+    assert "over the 35 trials that every method completed" in summary
+
+
+@pytest.mark.parametrize("measure", ["angular_error", "relight_response"])
+def test_the_mean_of_a_difference_is_that_of_the_report(measure):
+    trials = failed(study_table(noise=0.2), shape="cat", color_map="candy", method="lumo")
+    found = compare(trials, "toonkit", "todo", measure)
+    matrix = trial_matrix(trials, measure=measure, method="toonkit", versus="todo")
+    assert matrix.mean == pytest.approx(found.difference.center, rel=1e-12)
+    assert int(matrix.counted.sum()) == found.difference.trials == 36
+
+
+def test_without_a_trial_that_all_completed_there_is_no_mean():
+    trials = table(without=("sphere", "porcelain", "todo"), failed=("cat", "porcelain", "todo"))
+    trials = trials[(trials["color_map"] == "porcelain") | (trials["method"] == "todo")]
+    matrix = angles(trials)
+    assert np.isnan(matrix.mean)
+    assert matrix.summary == (
+        "No mean: there is no trial that every method completed. 2 of 4 cells have no value."
+    )
+    assert StudyState(trials, SETTINGS).means() == {"toonkit": "no value", "todo": "no value"}
 
 
 def test_a_track_with_fewer_trials_keeps_every_cell_in_its_place():

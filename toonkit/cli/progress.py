@@ -52,7 +52,7 @@ class TrialBar:
     def __init__(self, *, visible: bool) -> None:
         self._visible = visible
         self._bar: Any = None
-        self.failed = 0
+        self._failed = 0
 
     def __enter__(self) -> TrialBar:
         return self
@@ -66,8 +66,10 @@ class TrialBar:
         if self._bar is None:
             self._start(progress)
         elif progress.record is not None:
-            self.failed += bool(progress.record.error)
-            self._bar.set_postfix_str(f"{progress.record.shape} {progress.record.color_map}", refresh=False)
+            self._failed += bool(progress.record.error)
+            failed = f", {self._failed} failed" if self._failed else ""
+            now = f"{progress.record.shape} {progress.record.color_map}{failed}"
+            self._bar.set_postfix_str(now, refresh=False)
             self._bar.update()
 
     def _start(self, progress: StudyProgress) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from toonkit._validation import ToonkitError, refuse
+from toonkit.cli.extensions import load_extension
 from toonkit.cli.lights import parse_angles
 from toonkit.cli.progress import StepBar, TrialBar
 
@@ -18,6 +19,11 @@ if TYPE_CHECKING:
     from toonkit.study.registry import View
 
 REPORT_FOLDER = "report"
+
+ERROR_CHARACTERS, MOST_ERRORS = 100, 3
+"""How much of an error, and how many different ones, the summary of a run shows."""
+
+_EXIT_FAILED = 1
 
 
 def add_study_commands(commands: Any) -> None:
@@ -79,6 +85,17 @@ def _add_run(run: argparse.ArgumentParser) -> None:
         metavar="TRACK",
         help="given: the methods are told the true light (default); estimated: they are not",
     )
+    run.add_argument(
+        "--with",
+        action="append",
+        default=[],
+        dest="extensions",
+        metavar="FILE.py",
+        help="Python file that registers further methods (toonkit.METHODS) or shapes (@shape); may be repeated",
+    )
+    run.add_argument(
+        "--retry-failed", action="store_true", help="measure trials again that are on file with an error"
+    )
     where = run.add_mutually_exclusive_group()
     where.add_argument(
         "--workers",
@@ -115,18 +132,31 @@ def _run(arguments: argparse.Namespace) -> int:
     from toonkit.study.runner import run_study  # noqa: PLC0415
     from toonkit.study.table import TABLE_NAME  # noqa: PLC0415
 
+    for file in arguments.extensions:
+        load_extension(file)
     plan = _plan(arguments)
     # A lost scheduler is told in one line: dask's own stack traces say no more.
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     with TrialBar(visible=not arguments.quiet) as bar:
         table = run_study(
-            plan, arguments.out, workers=arguments.workers, scheduler=arguments.scheduler, progress=bar
+            plan,
+            arguments.out,
+            workers=arguments.workers,
+            scheduler=arguments.scheduler,
+            retry_failed=arguments.retry_failed,
+            progress=bar,
         )
+    errors = table.loc[table["error"] != "", "error"]
     if not arguments.quiet:
-        failed = int((table["error"] != "").sum())
-        print(f"{len(table):,} trials on file, {failed:,} of them failed: {Path(arguments.out) / TABLE_NAME}")
+        print(
+            f"{len(table):,} trials on file, {len(errors):,} of them failed: {Path(arguments.out) / TABLE_NAME}"
+        )
+        for error, count in errors.str.slice(0, ERROR_CHARACTERS).value_counts().head(MOST_ERRORS).items():
+            print(f"  {count:,} x {error}")
+        if len(errors):
+            print("to try them anew: the same command with --retry-failed")
         print(f"tables and figures: toonkit study report {arguments.out}")
-    return 0
+    return _EXIT_FAILED if len(errors) else 0
 
 
 def _plan(arguments: argparse.Namespace) -> StudyPlan:
@@ -207,9 +237,7 @@ def _list(_: argparse.Namespace) -> int:
 
 def _refuse_without_extra() -> None:
     try:
-        import distributed  # noqa: F401, PLC0415
         import pandas  # noqa: F401, PLC0415
-        import pyarrow  # noqa: F401, PLC0415
     except ImportError as error:
         raise ToonkitError(
             f'study needs its extra packages; got no {error.name}: pip install "toonkit[study]"'

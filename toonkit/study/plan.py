@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import inspect
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -13,8 +11,9 @@ from toonkit._validation import refuse
 from toonkit.model.color_map import ColorMap
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.contestants import Contestant, contestants
+from toonkit.study.digests import color_map_digest, method_digest, subject_digest
 from toonkit.study.shapes import SHAPES
-from toonkit.study.subjects import MeshShape, Subject, subject_digest
+from toonkit.study.subjects import MeshShape, Subject
 from toonkit.study.trials import LIGHT_TRACKS, LightTrack, StudySettings, Trial
 
 Named = TypeVar("Named")
@@ -59,8 +58,8 @@ class StudyPlan:
         """Return what tells whether a shape, color map or method is still the one of an older record."""
         return {
             "shape": {name: subject_digest(subject) for name, subject in self.subjects.items()},
-            "color_map": {name: _color_map_digest(value) for name, value in self.color_maps.items()},
-            "method": {name: _method_digest(contestant) for name, contestant in self.methods.items()},
+            "color_map": {name: color_map_digest(value) for name, value in self.color_maps.items()},
+            "method": {name: method_digest(contestant.analyze) for name, contestant in self.methods.items()},
         }
 
 
@@ -111,13 +110,18 @@ def plan_study(
         shapes = () if meshes else SHAPES
     subjects: dict[str, Subject] = dict(_chosen("shapes", shapes, SHAPES))
     for mesh in meshes:
-        if mesh.name in subjects:
-            raise refuse("meshes", "must have names of their own", f"{mesh.name!r} twice")
+        if mesh.name in subjects or mesh.name in SHAPES:
+            raise refuse("meshes", "must have names of their own", f"{mesh.name!r}, which is another shape's")
         subjects[mesh.name] = mesh
+    known = load_color_maps()
     if isinstance(color_maps, Mapping):
+        taken = [name for name, value in color_maps.items() if known.get(name, value) is not value]
+        if taken:
+            raise refuse(
+                "color_maps", "must have names of their own", f"{taken[0]!r}, which is one of the study's"
+            )
         maps = dict(color_maps)
     else:
-        known = load_color_maps()
         maps = _chosen("color_maps", known if color_maps is None else color_maps, known)
     known_methods = contestants()
     chosen_methods = _chosen("methods", known_methods if methods is None else methods, known_methods)
@@ -149,18 +153,3 @@ def _refuse_bad_names(plan: StudyPlan) -> None:
                 raise refuse(argument, "must be named with letters, digits and single _ . or -", repr(name))
     if not plan.light_tracks:
         raise refuse("light_tracks", "must hold at least one name", "none")
-
-
-def _color_map_digest(color_map: ColorMap) -> str:
-    return hashlib.sha256(color_map.colors.tobytes() + repr(color_map.domain).encode()).hexdigest()
-
-
-def _method_digest(contestant: Contestant) -> str:
-    """Digest a method's own source; what it calls in toonkit is known by the digest of the package."""
-    function = contestant.analyze
-    try:
-        source = inspect.getsource(function)
-    except (OSError, TypeError):  # typed at a prompt, or a callable object
-        code = getattr(function, "__code__", None)
-        source = repr(function) if code is None else f"{code.co_code!r}{code.co_consts!r}"
-    return hashlib.sha256(source.encode()).hexdigest()

@@ -2,58 +2,31 @@
 
 from __future__ import annotations
 
-import ast
-import hashlib
 import inspect
 import os
 import platform
 import subprocess
 from dataclasses import asdict
-from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import toonkit
 from toonkit.estimation.refinement import refine_as_printed
+from toonkit.study.digests import CODE, PACKAGE
 from toonkit.study.plan import StudyPlan
 from toonkit.study.subjects import MeshShape
-
-PACKAGE = Path(toonkit.__file__).parent
-
-MEASURED_BY = (
-    "_validation.py", "analysis.py", "metrics.py", "relighting.py", "model", "numerics", "estimation", "methods",
-    *(f"study/{name}" for name in (
-        "color_maps.py", "contestants.py", "registry.py", "rendering.py", "shapes.py", "solids", "subjects.py", "trials.py",
-    )),
-)  # fmt: skip
-"""The modules that a trial's numbers depend on, in `toonkit/`."""
 
 _PACKAGES = ("numpy", "scipy", "scikit-image", "numba", "pandas", "dask", "distributed")
 
 
-@cache
-def source_digest() -> str:
-    """Return a digest of the code that measures: comments, docstrings and layout do not count."""
-    digest = hashlib.sha256()
-    for name in MEASURED_BY:
-        path = PACKAGE / name
-        for file in sorted(path.glob("*.py")) if path.is_dir() else [path]:
-            digest.update(f"{file.relative_to(PACKAGE)}\n".encode())
-            digest.update(ast.dump(_undocumented(ast.parse(file.read_text(encoding="utf-8")))).encode())
-    return digest.hexdigest()
-
-
 def provenance(plan: StudyPlan) -> dict[str, Any]:
-    """Return, as JSON, all that a reader needs to repeat a study."""
+    """Return, as JSON, what a study's numbers depend on."""
     allowed = inspect.signature(refine_as_printed).parameters
     return {
         "toonkit": toonkit.__version__,
-        "source": source_digest(),
-        "commit": _commit(),
+        "code": CODE,
         "settings": asdict(plan.settings),
-        "versions": {"python": platform.python_version(), **{name: version(name) for name in _PACKAGES}},
-        "machine": {"system": platform.platform(), "processor": _processor(), "cores": os.cpu_count()},
         "refinement_as_printed": {
             name: allowed[name].default for name in ("relaxation", "max_sweeps", "tolerance")
         },
@@ -72,26 +45,27 @@ def provenance(plan: StudyPlan) -> dict[str, Any]:
     }
 
 
-def _undocumented(tree: ast.Module) -> ast.Module:
-    for node in ast.walk(tree):
-        body = getattr(node, "body", None)
-        if isinstance(body, list):
-            # Strings that stand alone: docstrings, and those below constants and attributes.
-            node.body = [line for line in body if not _is_text(line)]  # type: ignore[attr-defined]
-    return tree
-
-
-def _is_text(node: ast.AST) -> bool:
-    return (
-        isinstance(node, ast.Expr)
-        and isinstance(node.value, ast.Constant)
-        and isinstance(node.value.value, str)
-    )
+def surroundings() -> dict[str, Any]:
+    """Return, as JSON, the commit, the versions and the machine that this process runs with."""
+    return {
+        "commit": _commit(),
+        "versions": {"python": platform.python_version(), **{name: version(name) for name in _PACKAGES}},
+        "machine": {"system": platform.platform(), "processor": _processor(), "cores": os.cpu_count()},
+    }
 
 
 def _commit() -> str | None:
-    """Return the commit of the checkout that this runs from, with a + if files differ from it; None without one."""
-    command = ["git", "-C", str(PACKAGE), "describe", "--always", "--abbrev=12", "--dirty=+", "--exclude=*"]
+    """Return the commit of the checkout that this runs from, with a + if the package differs from it; None without one."""
+    git = ["git", "-C", str(PACKAGE)]
+    # Installed into an environment inside some other repository, the package is none of that one's files.
+    tracked = _output([*git, "ls-files", "--error-unmatch", "__init__.py"])
+    commit = _output([*git, "rev-parse", "--short=12", "HEAD"])
+    if tracked is None or commit is None:
+        return None
+    return commit + ("+" if _output([*git, "status", "--porcelain", "--", "."]) else "")
+
+
+def _output(command: list[str]) -> str | None:
     try:
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
     except (OSError, subprocess.CalledProcessError):

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from toonkit._validation import ToonkitError, refuse
-from toonkit.study.registry import BOUND, Shape, View
+from toonkit.study.registry import Shape, View
 from toonkit.study.rendering import RenderedShape, render_mesh, render_shape
 
 if TYPE_CHECKING:
@@ -20,8 +17,6 @@ if TYPE_CHECKING:
 
 EXAMPLE_PREFIX = "pyvista:"
 """`pyvista:bunny` is the mesh that `pyvista.examples.download_bunny` fetches."""
-
-_PROBES = np.random.default_rng(0).uniform(-BOUND, BOUND, (4096, 3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,17 +87,6 @@ def render(subject: Subject, size: int) -> RenderedShape:
         return render_shape(subject, size)
     view = subject.view
     return render_mesh(subject.mesh, size, yaw=view.yaw, pitch=view.pitch, roll=view.roll)
-
-
-def subject_digest(subject: Subject) -> str:
-    """Return a digest of what a subject looks like: its distances at fixed places or its triangles, and its view."""
-    digest = hashlib.sha256(repr(subject.view).encode())
-    if isinstance(subject, Shape):
-        digest.update(np.round(subject.distance(_PROBES), 9).tobytes())
-    else:
-        digest.update(np.ascontiguousarray(subject.mesh.vertices, dtype=np.float64).tobytes())
-        digest.update(np.ascontiguousarray(subject.mesh.faces, dtype=np.int64).tobytes())
-    return digest.hexdigest()
 
 
 def _from_file(path: Path) -> trimesh.Trimesh:

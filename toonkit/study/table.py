@@ -12,6 +12,7 @@ import pandas as pd
 
 from toonkit._validation import ToonkitError, refuse
 from toonkit.export.atomic import PathLike, atomic_write
+from toonkit.study.record_store import FOLDER, RecordStore
 from toonkit.study.trials import Record, StudySettings
 
 TABLE_NAME = "trials.parquet"
@@ -84,7 +85,10 @@ def load_trials(source: PathLike) -> pd.DataFrame:
     ToonkitError
         If there is no table, or a file is not one.
     """
-    path = _table_path(Path(source).expanduser())
+    place = Path(source).expanduser()
+    if _has_newer_records(place):
+        return as_table(RecordStore(place, load_provenance(place)).records())
+    path = _table_path(place)
     texts = {name: kind for name, kind in COLUMN_TYPES.items() if kind == "str"}
     try:
         table = pd.read_csv(path, dtype=texts) if path.suffix == ".csv" else pd.read_parquet(path)
@@ -126,16 +130,27 @@ def load_provenance(source: PathLike) -> dict[str, Any]:
 
 def settings_of(source: PathLike) -> StudySettings:
     """Return the settings under which a study's trials were made; raises as `load_provenance` does."""
-    return settings_from(load_provenance(source)["settings"])
+    return settings_from(load_provenance(source).get("settings"))
 
 
-def settings_from(stored: dict[str, Any]) -> StudySettings:
-    """Return settings from their JSON form."""
-    lights = tuple((float(azimuth), float(elevation)) for azimuth, elevation in stored["new_lights"])
-    azimuth, elevation = stored["light"]
-    return StudySettings(
-        size=int(stored["size"]), light=(float(azimuth), float(elevation)), new_lights=lights
-    )
+def settings_from(stored: Any) -> StudySettings:
+    """Return settings from their JSON form; raises `ToonkitError` for anything else."""
+    try:
+        return StudySettings(
+            size=stored["size"], light=stored["light"], new_lights=tuple(stored["new_lights"])
+        )
+    except (KeyError, TypeError) as error:
+        raise refuse(
+            "source", f"must have the settings of a study in its {PROVENANCE_NAME}", f"{stored}"
+        ) from error
+
+
+def _has_newer_records(place: Path) -> bool:
+    """Tell whether a study was killed before it could write its table: a folder changes with each new file in it."""
+    records, table = place / FOLDER, place / TABLE_NAME
+    if not records.is_dir() or not any(records.glob("*.json")):
+        return False
+    return not table.is_file() or records.stat().st_mtime_ns > table.stat().st_mtime_ns
 
 
 def _table_path(source: Path) -> Path:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,7 @@ from scipy import stats
 from toonkit._validation import FloatArray, as_array, refuse
 from toonkit.study.measures import Measure
 from toonkit.study.reporting.cells import Cells, cells, names_in
-from toonkit.study.reporting.statistics import Interval, Resamples, contrast, is_ratio, resample
+from toonkit.study.reporting.statistics import Interval, Resamples, contrast, enough, is_ratio, resample
 
 TIE = 1e-9
 """Two values closer than this are a tie: they come from the same result, rounded."""
@@ -22,7 +22,9 @@ PAIRS = (
     *(("toonkit", other) for other in ("todo", "lumo", "lambert", "flat")),
     *(("todo", other) for other in ("lumo", "lambert")),
 )
-"""Method and what it is compared with."""
+"""Method and what it is compared with, of the methods that come with toonkit."""
+
+_KNOWN = {name for pair in PAIRS for name in pair}
 
 COMPARED = ("angular_error", "illumination_error", "input_rmse", "relight_rmse", "relight_response")
 
@@ -45,10 +47,12 @@ class Comparison:
         Center of the differences over the trials that both completed, with its crossed-bootstrap interval.
     won, lost, tied : float
         Shares of the trials that either completed. One that failed is lost to one that did not.
-    p_trials : float
-        Wilcoxon's signed-rank test over trials, two-sided. It takes them for independent, which they are not.
-    p_shapes : float
-        The same over the shapes' own centers: few and independent, hence conservative.
+    p_shapes, p_color_maps : float
+        Wilcoxon's signed-rank test, two-sided, over the shapes' own centers and over the color maps' own. Shapes share
+        their color maps and color maps their shapes, so that either alone calls too much significant.
+    p : float
+        The larger of the two; NaN where there are too few shapes or color maps for an interval. Approximate: the
+        interval of the difference is the primary evidence.
     """
 
     measure: Measure
@@ -58,8 +62,9 @@ class Comparison:
     won: float
     lost: float
     tied: float
-    p_trials: float
     p_shapes: float
+    p_color_maps: float
+    p: float
 
 
 def compare(
@@ -101,7 +106,7 @@ def compare(
 def comparisons(
     trials: pd.DataFrame,
     *,
-    pairs: Sequence[tuple[str, str]] = PAIRS,
+    pairs: Sequence[tuple[str, str]] | None = None,
     measures: Sequence[str] = COMPARED,
     generator: np.random.Generator | None = None,
 ) -> pd.DataFrame:
@@ -113,7 +118,8 @@ def comparisons(
     trials : DataFrame
         The study's table, of one light track.
     pairs : sequence of (str, str), optional
-        Methods; a pair of which one is not in the table is left out, and so is `flat` where it has no choice.
+        Methods; by default `pairs_in` the table. A pair of which one is not in the table is left out, and so is `flat`
+        where it has no choice.
     measures : sequence of str, optional
         Keys of `MEASURES`.
     generator : numpy.random.Generator, optional
@@ -123,8 +129,10 @@ def comparisons(
     -------
     DataFrame
         A row for each comparison, with the fields of `Comparison`; the interval is `difference`, `low`, `high`, `trials`.
-        `p_trials_holm` and `p_shapes_holm` are corrected over all rows.
+        `p_holm` is `p` corrected over all rows.
     """
+    if pairs is None:
+        pairs = pairs_in(names_in(trials, "method"))
     rows = []
     draws: Resamples | None = None
     for measure in measures:
@@ -136,16 +144,39 @@ def comparisons(
                 rows.append(_row(_compared(table, method, versus, draws)))
     if not rows:
         raise refuse("trials", "must hold two methods to compare", ", ".join(names_in(trials, "method")))
-    corrected = pd.DataFrame(rows)
-    for unit in ("trials", "shapes"):
-        corrected[f"p_{unit}_holm"] = holm(corrected[f"p_{unit}"])
-    return corrected
+    table = pd.DataFrame(rows)
+    return table.assign(p_holm=holm(table["p"]))
+
+
+def pairs_in(methods: Iterable[str]) -> tuple[tuple[str, str], ...]:
+    """
+    Choose what is compared: `PAIRS`, and every newcomer with all others.
+
+    Parameters
+    ----------
+    methods : iterable of str
+        Those of a table, in its order.
+
+    Returns
+    -------
+    tuple of (str, str)
+        Method and what it is compared with; no two methods twice.
+
+    Examples
+    --------
+    >>> pairs_in(["todo", "lumo", "dome"])
+    (('todo', 'lumo'), ('dome', 'todo'), ('dome', 'lumo'))
+    """
+    names = list(dict.fromkeys(methods))
+    pairs = [pair for pair in PAIRS if set(pair) <= set(names)]
+    for new in (name for name in names if name not in _KNOWN):
+        pairs += [(new, other) for other in names if other != new and (other, new) not in pairs]
+    return tuple(pairs)
 
 
 def has_pairs(trials: pd.DataFrame) -> bool:
-    """Tell whether a table holds both methods of any of the `PAIRS`."""
-    methods = set(trials["method"])
-    return any(set(pair) <= methods for pair in PAIRS)
+    """Tell whether a table holds any two methods that are compared."""
+    return bool(pairs_in(names_in(trials, "method")))
 
 
 def holm(p_values: ArrayLike) -> FloatArray:
@@ -176,6 +207,31 @@ def holm(p_values: ArrayLike) -> FloatArray:
     return corrected
 
 
+def signed_rank(differences: FloatArray, *, median: bool = False) -> float:
+    """
+    Test whether the rows of a table of differences have centers around 0, by Wilcoxon's signed-rank test.
+
+    Parameters
+    ----------
+    differences : ndarray, shape (rows, columns)
+        NaN where there is none.
+    median : bool, optional
+        Whether a row's center is its median instead of its mean.
+
+    Returns
+    -------
+    float
+        Two-sided p; 1 where nothing differs, NaN where there is nothing. Rows that have columns in common are not
+        independent, and p then too small.
+    """
+    middle = np.median if median else np.mean
+    centers = np.array([middle(row[np.isfinite(row)]) for row in differences if np.isfinite(row).any()])
+    if not centers.size:
+        return float("nan")
+    apart = centers[np.abs(centers) > TIE]
+    return float(stats.wilcoxon(apart).pvalue) if apart.size else 1.0
+
+
 def _compared(table: Cells, method: str, versus: str, draws: Resamples) -> Comparison:
     table = table.departures
     ours, theirs = table.of(method), table.of(versus)
@@ -188,8 +244,8 @@ def _compared(table: Cells, method: str, versus: str, draws: Resamples) -> Compa
     )
     outcomes = np.array([margin < -TIE, margin > TIE, np.abs(margin) <= TIE])
     won, lost, tied = outcomes.mean(axis=1).tolist() if margin.size else [np.nan] * 3
-    middle = np.median if is_ratio(table.measure) else np.mean
-    by_shape = np.array([middle(row[np.isfinite(row)]) for row in difference if np.isfinite(row).any()])
+    median = is_ratio(table.measure)
+    p_shapes, p_color_maps = (signed_rank(values, median=median) for values in (difference, difference.T))
     return Comparison(
         table.measure,
         method,
@@ -198,8 +254,9 @@ def _compared(table: Cells, method: str, versus: str, draws: Resamples) -> Compa
         won,
         lost,
         tied,
-        _signed_rank(difference[np.isfinite(difference)]),
-        _signed_rank(by_shape),
+        p_shapes,
+        p_color_maps,
+        max(p_shapes, p_color_maps) if enough(difference) else np.nan,
     )
 
 
@@ -216,14 +273,7 @@ def _row(comparison: Comparison) -> dict[str, str | float]:
         "won": comparison.won,
         "lost": comparison.lost,
         "tied": comparison.tied,
-        "p_trials": comparison.p_trials,
         "p_shapes": comparison.p_shapes,
+        "p_color_maps": comparison.p_color_maps,
+        "p": comparison.p,
     }
-
-
-def _signed_rank(differences: FloatArray) -> float:
-    """Two-sided p; 1 where nothing differs, NaN where there is nothing."""
-    if not differences.size:
-        return float("nan")
-    apart = differences[np.abs(differences) > TIE]
-    return float(stats.wilcoxon(apart).pvalue) if apart.size else 1.0

@@ -13,7 +13,16 @@ from scipy import stats
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.study.measures import MEASURES
 from toonkit.study.reporting.cells import Cells, cells
-from toonkit.study.reporting.statistics import LEVEL, Interval, Resamples, center, contrast, is_ratio
+from toonkit.study.reporting.statistics import (
+    FEWEST,
+    LEVEL,
+    Interval,
+    Resamples,
+    center,
+    contrast,
+    enough,
+    is_ratio,
+)
 
 Outcome = Literal["holds", "does not hold", "undecided"]
 
@@ -34,7 +43,7 @@ class Check:
         The numbers.
     outcome : {"holds", "does not hold", "undecided"}
         By where the 95 % interval of the number lies: wholly on the side that the claim says, wholly on the other, or
-        neither.
+        neither. Without an interval, of too few shapes or color maps, it is undecided.
     """
 
     says: str
@@ -128,7 +137,8 @@ class Evidence:
         values = np.array([order[name] for name in table.color_maps if name in order])
         found = _rank_correlation(excess, values, self.draws, chosen)
         if not found.trials:
-            return Check(says, "too few different color maps", "undecided")
+            text = f"needs {FEWEST} shapes and {FEWEST} color maps that are not alike"
+            return Check(says, text, "undecided")
         numbers = f"rank correlation {found.center:+.2f} [{found.low:+.2f}, {found.high:+.2f}]".replace(
             "-", "−"
         )
@@ -171,7 +181,7 @@ def _rank_correlation(excess: FloatArray, order: FloatArray, draws: Resamples, c
     filled = np.where(there, excess, 0.0)
     used = there.any(axis=0)
     observed_means = filled.sum(axis=0)[used] / there.sum(axis=0)[used]
-    if used.sum() < 3 or np.ptp(order[used]) == 0 or np.ptp(observed_means) == 0:
+    if not enough(excess) or np.ptp(order[used]) == 0 or np.ptp(observed_means) == 0:
         return Interval(np.nan, np.nan, np.nan, 0)
     observed = float(stats.spearmanr(observed_means, order[used]).statistic)
     with np.errstate(invalid="ignore"):  # a draw without a single color map of a kind has no correlation

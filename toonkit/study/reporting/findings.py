@@ -12,7 +12,7 @@ import pandas as pd
 from toonkit.study.color_maps import Ramp, load_ramps
 from toonkit.study.reporting.cells import cells
 from toonkit.study.reporting.evidence import Check, Evidence, Outcome
-from toonkit.study.reporting.statistics import resample
+from toonkit.study.reporting.statistics import FEWEST, resample
 
 Verdict = Literal["agrees", "partly", "disagrees", "undecided"]
 
@@ -22,7 +22,8 @@ AS_NEAR = 1.0
 RULE = (
     "Each claim is split into checks. A check holds if the 95 % interval of its number (bootstrap over shapes and color "
     "maps) lies wholly on the side that the claim says, does not hold if it lies wholly on the other, and is undecided in "
-    "between. The verdict is “agrees” if all checks hold, “disagrees” if none holds and at least one is contradicted, "
+    f"between. With fewer than {FEWEST} shapes or {FEWEST} color maps there is no interval, and every check is undecided. "
+    "The verdict is “agrees” if all checks hold, “disagrees” if none holds and at least one is contradicted, "
     "“undecided” if all are undecided, and “partly” otherwise."
 )
 """How verdicts are reached, for readers."""

@@ -8,6 +8,8 @@ other shapes and other color maps of the kind. With twenty of each they are a li
 
 The center is the mean. Where 1 is best, a measure is a ratio, and its center is the median: a response is a change
 divided by the true change, which can be next to nothing, and a single such trial would make the mean.
+
+Drawing one shape anew gives the same shape: of too few, no interval can be had this way, and none is given.
 """
 
 from __future__ import annotations
@@ -30,9 +32,14 @@ LEVEL = 0.95
 
 HEADLINE = (
     *("angular_error", "illumination_error", "color_map_rmse", "input_rmse", "input_difference"),
-    *("relight_rmse", "relight_response", "seconds"),
+    *("relight_rmse", "relight_response"),
 )
-"""The measures of the report's first table."""
+"""The measures of the report's first table. Time is none: it is taken while other trials keep the machine busy."""
+
+FEWEST = 5
+"""Shapes, and color maps, below which there is no interval."""
+
+TOO_FEW = "too few for an interval"
 
 Grouping = Literal["shape", "color_map", "shape_kind"]
 GROUPINGS: tuple[Grouping, ...] = ("shape", "color_map", "shape_kind")
@@ -46,7 +53,8 @@ class Interval:
     Attributes
     ----------
     center, low, high : float
-        Mean or median, and the ends of its 95 % bootstrap interval; NaN if there was nothing to measure.
+        Mean or median, and the ends of its 95 % bootstrap interval. The ends are NaN if there were too few shapes or
+        color maps for them (see `enough`), and all three if there was nothing to measure.
     trials : int
         Pairs of shape and color map that it is over.
     """
@@ -62,7 +70,8 @@ class Interval:
             return "not measured"
         form = f"{'+' if sign else ''}.{measure.decimals}f"
         unit = measure.shown(0.0).removeprefix(f"{0.0:.{measure.decimals}f}")
-        return f"{self.center:{form}}{unit} [{self.low:{form}}, {self.high:{form}}]".replace("-", "−")
+        ends = f"[{self.low:{form}}, {self.high:{form}}]" if np.isfinite(self.low) else f"({TOO_FEW})"
+        return f"{self.center:{form}}{unit} {ends}".replace("-", "−")
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,15 +129,23 @@ def center(values: FloatArray, draws: Resamples, *, median: bool = False) -> Int
     Returns
     -------
     Interval
-        The center of what is there, with percentiles of the centers of all resamples.
+        The center of what is there, with percentiles of the centers of all resamples if there is `enough`.
     """
     there = np.isfinite(values)
     if not there.any():
         return Interval(np.nan, np.nan, np.nan, 0)
-    middle = np.median if median else np.mean
+    observed, count = float((np.median if median else np.mean)(values[there])), int(there.sum())
+    if not enough(values):
+        return Interval(observed, np.nan, np.nan, count)
     drawn = (_medians if median else _means)(values, draws)
     low, high = np.nanquantile(drawn, [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
-    return Interval(float(middle(values[there])), float(low), float(high), int(there.sum()))
+    return Interval(observed, float(low), float(high), count)
+
+
+def enough(values: FloatArray) -> bool:
+    """Tell whether values, shape (shapes, color maps), are of at least `FEWEST` of each, holes left out."""
+    there = np.isfinite(values)
+    return bool(min(there.any(axis=0).sum(), there.any(axis=1).sum()) >= FEWEST)
 
 
 def contrast(table: Cells, weights: Mapping[str, float], draws: Resamples) -> Interval:

@@ -15,6 +15,9 @@ from toonkit.study.reporting.statistics import Interval, is_ratio
 EXTREMES = 3
 """Best and worst groups that are named."""
 
+UNRANKED = ("seconds",)
+"""Measures in which no method is called the best: trials are timed while others keep the machine busy."""
+
 IDLE = "flat"
 """The contestant that estimates nothing, and is never called the best."""
 
@@ -52,7 +55,7 @@ def shown_means(means: pd.DataFrame) -> pd.DataFrame:
 
 def best_methods(means: pd.DataFrame) -> dict[str, list[str]]:
     """Return for each measure's `heading` the methods closest to its ideal, as far as its decimals tell them apart."""
-    rivals = means[(means["method"] != IDLE) & means["departure"].notna()]
+    rivals = means[(means["method"] != IDLE) & means["departure"].notna() & ~means["measure"].isin(UNRANKED)]
     best = {}
     for column, group in rivals.groupby("measure", sort=False):
         shown = group["departure"].round(MEASURES[str(column)].decimals)
@@ -85,8 +88,7 @@ def shown_comparisons(table: pd.DataFrame) -> pd.DataFrame:
                 ),
                 "trials won": _share(row.won),
                 "tied": _share(row.tied),
-                "p, trials": _p_value(row.p_trials_holm),
-                "p, shapes": _p_value(row.p_shapes_holm),
+                "p, corrected": _p_value(row.p_holm),
             }
             for row in table.itertuples()
         ]
@@ -173,7 +175,8 @@ def refinements(trials: pd.DataFrame) -> pd.DataFrame:
     -------
     DataFrame
         A row for each method: `completed` and `failed` trials, median and largest number of `sweeps`, the share that
-        `converged`, the most frequent reason why it `stopped`, and the `seconds` of all its analyses together.
+        `converged`, the most frequent reason why it `stopped`, and the `seconds` of all its analyses together,
+        by a clock on the wall while all cores were busy.
     """
     completed = trials[~failed(trials)]
     groups = completed.groupby("method")
@@ -198,7 +201,7 @@ def shown_refinements(table: pd.DataFrame) -> pd.DataFrame:
     shown = table[whole].map(lambda value: f"{value:.0f}" if np.isfinite(value) else "none")
     shown["converged"] = table["converged"].map(_share)
     shown["usual reason to stop"] = table["stopped"].fillna("none")
-    shown["time in all"] = table["seconds"].map(
+    shown["wall time, all cores busy"] = table["seconds"].map(
         lambda value: f"{value:,.0f} s" if np.isfinite(value) else "none"
     )
     return shown

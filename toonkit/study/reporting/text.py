@@ -33,7 +33,20 @@ from toonkit.study.reporting.tables import (
 SHOWN_BY_GROUP = ("angular_error", "relight_rmse")
 """Measures whose means by shape and by color map stand in the text."""
 
+FREQUENT = 3
+"""Errors that are named before all others."""
+
+ERROR_LENGTH = 100
+"""Characters of an error that are shown; `failures.csv` has the rest."""
+
 TRACK_NAMES = {"given": "the true light given", "estimated": "the light estimated"}
+
+P_VALUES = (
+    "The interval is the primary evidence. p is approximate: Wilcoxon's signed-rank test is made over the shapes' own "
+    "centers and over the color maps' own, and the larger p is shown, since shapes share their color maps and color maps "
+    "their shapes, so that neither are independent samples."
+)
+"""How p-values are reached, for readers."""
 
 _HOW = (
     f"Brackets hold 95 % intervals of a bootstrap over shapes and color maps, both drawn anew for each of {RESAMPLES:,} "
@@ -42,8 +55,7 @@ _HOW = (
 )
 _HOW_PAIRS = (
     "A difference below 0 means that the first method is better. Trials in which one method failed are lost to the other. "
-    "p-values are Wilcoxon's signed-rank test over trials, which are not independent, and over the shapes' own centers, "
-    "which are; each column is corrected by Holm's method for all rows of this table."
+    f"{P_VALUES} They are corrected by Holm's method for all rows of this table."
 )
 
 
@@ -93,7 +105,7 @@ def means_text(means: pd.DataFrame) -> str:
     for column, methods in best_methods(means).items():
         for method in methods:
             shown.loc[method, column] = f"**{shown.loc[method, column]}**"
-    # Upright, eight measures would not fit a page.
+    # Upright, seven measures would not fit a page.
     return _markdown(shown.T.rename_axis("measure"))
 
 
@@ -154,7 +166,18 @@ def _failures_section(trials: pd.DataFrame) -> str:
     table = failures(trials)
     if table.empty:
         return "## Failures\n\nNo trial ended in an error."
-    return f"## Failures\n\n{len(table)} of {len(trials)} trials ended in an error.\n\n{_markdown(table, index=False)}"
+    shown = table.assign(error=table["error"].map(_shortened))
+    counts = shown["error"].value_counts()
+    named = "\n".join(f"- {count} x {_cell(error)}" for error, count in counts.head(FREQUENT).items())
+    return (
+        f"## Failures\n\n{len(table)} of {len(trials)} trials ended in an error. Most frequent:\n\n{named}\n\n"
+        f"{_markdown(shown, index=False)}"
+    )
+
+
+def _shortened(error: str) -> str:
+    line = " ".join(str(error).split())
+    return line if len(line) <= ERROR_LENGTH else f"{line[:ERROR_LENGTH]} …"
 
 
 def provenance_text(trials: pd.DataFrame, provenance: Mapping[str, Any]) -> str:
@@ -184,7 +207,7 @@ def provenance_text(trials: pd.DataFrame, provenance: Mapping[str, Any]) -> str:
         unfinished = len(runs) - len(spent)
         text = f"{_duration(sum(spent))} in {len(spent)} run{'s' if len(spent) > 1 else ''}"
         facts["wall time"] = text + (f"; {unfinished} more did not finish" if unfinished else "")
-    facts["time of the analyses alone"] = _duration(float(trials["seconds"].sum()))
+    facts["wall time of the analyses, all cores busy"] = _duration(float(trials["seconds"].sum()))
     table = pd.DataFrame({"": facts.values()}, index=pd.Index(facts, name="what"))
     return _markdown(table)
 

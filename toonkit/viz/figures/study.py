@@ -32,8 +32,9 @@ CAPTIONS: dict[str, str] = {
     "distributions": "Errors of all trials. Above, the share of trials below an error; below, for every method the density, "
     "the quartiles with the median, and the trials.",
     "pairs": "Differences between methods on the same trials, with 95 % intervals: left of 0, the method named first is "
-    "better. The percentage is the share of trials that it wins. A filled dot is significant over shapes, by Wilcoxon's "
-    "signed-rank test after Holm's correction.",
+    "better. The percentage is the share of trials that it wins. The intervals are the primary evidence. A dot is filled if "
+    "p < 0.05 after Holm's correction, which is approximate: the larger p of Wilcoxon's signed-rank tests over shapes and "
+    "over color maps. Without intervals there were too few of either.",
     "trade_off": "How well a method repeats its input, and how much its picture answers a new light. Small dots are trials; "
     "large ones are the methods' means along the fit and medians along the response, with 95 % intervals.",
     "by_shape": "Means of every method on every shape, over the color maps.",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -25,7 +25,7 @@ from toonkit.viz.figures.study_style import (
     axis_label,
     dot,
     guide,
-    method_color,
+    method_colors,
     method_label,
     method_legend,
     spoken,
@@ -58,6 +58,7 @@ def errors_by_group(
     """
     tables = {column: breakdown(trials, column, by).drop(columns="trials") for column in measures}
     first = tables[measures[0]]
+    palette = method_colors(first.columns)
     names = list(first.mean(axis=1).sort_values(ascending=False, kind="stable").index)
     ramps = load_ramps() if by == "color_map" else {}
     with figure_style():
@@ -68,11 +69,11 @@ def errors_by_group(
         _draw_names(label, names, ramps)
         for place, (column, table) in enumerate(tables.items(), start=1):
             axes = figure.add_subplot(grid[0, place], sharey=label)
-            _draw_dots(axes, table.loc[names])
+            _draw_dots(axes, table.loc[names], palette)
             axes.set_xlabel(axis_label(column))
             axes.tick_params(axis="y", left=False, labelleft=False)
         label.set_ylim(-0.6, len(names) - 0.4)
-        method_legend(figure, first.columns)
+        method_legend(figure, first.columns, palette)
     return figure
 
 
@@ -102,9 +103,8 @@ def difference_map(
     values = difference[np.ix_(rows, columns)]
     limit = float(np.nanquantile(np.abs(values), BEYOND)) if np.isfinite(values).any() else 1.0
     norm = TwoSlopeNorm(0.0, -(limit or 1.0), limit or 1.0)
-    colors = LinearSegmentedColormap.from_list(
-        "difference", [method_color(method), "#f7f6f3", method_color(versus)]
-    )
+    palette = method_colors(table.methods)
+    colors = LinearSegmentedColormap.from_list("difference", [palette[method], "#f7f6f3", palette[versus]])
     with figure_style():
         figure = new_figure(max(1.6 + 0.205 * len(table.shapes), 3.2))
         grid = GridSpec(
@@ -128,7 +128,7 @@ def difference_map(
         below.set_yticks([0], [word])
         _draw_ramps_below(figure, grid, [table.color_maps[column] for column in columns])
         bar = figure.colorbar(picture, cax=figure.add_subplot(grid[0, 2]), extend="both", extendfrac=0.03)
-        _label_bar(bar, table, method, versus)
+        _label_bar(bar, table, method, versus, palette)
     return figure
 
 
@@ -149,6 +149,7 @@ def error_by_tones(trials: pd.DataFrame, measure: str = "angular_error") -> Figu
         Two panels; a dot is a color map, averaged over the shapes.
     """
     means = breakdown(trials, measure, "color_map").drop(columns="trials")
+    palette = method_colors(means.columns)
     ramps = {name: ramp for name, ramp in load_ramps().items() if name in means.index}
     hard = [name for name, ramp in ramps.items() if "hard" in ramp.tags]
     tones = np.array([len(ramps[name].tones) for name in hard])
@@ -158,7 +159,7 @@ def error_by_tones(trials: pd.DataFrame, measure: str = "angular_error") -> Figu
         figure = new_figure(2.9)
         left, right = figure.subplots(1, 2, sharey=True, width_ratios=[1, 1.25])
         for method in means.columns:
-            color, values = method_color(method), means[method]
+            color, values = palette[method], means[method]
             counts = np.unique(tones)
             middles = [
                 values[[name for name in hard if len(ramps[name].tones) == count]].mean() for count in counts
@@ -173,7 +174,7 @@ def error_by_tones(trials: pd.DataFrame, measure: str = "angular_error") -> Figu
         guide(left, "y")
         guide(right, "y")
         _name_worst(right, means.loc[list(ramps)], widths)
-        method_legend(figure, means.columns)
+        method_legend(figure, means.columns, palette)
     return figure
 
 
@@ -208,11 +209,11 @@ def _draw_names(axes: Axes, names: Sequence[str], ramps: dict[str, Ramp]) -> Non
     axes.spines[:].set_visible(False)
 
 
-def _draw_dots(axes: Axes, table: pd.DataFrame) -> None:
+def _draw_dots(axes: Axes, table: pd.DataFrame, palette: Mapping[str, str]) -> None:
     rows = np.arange(len(table))
     axes.hlines(rows, table.min(axis=1), table.max(axis=1), color="#c4c3be", linewidth=0.6, zorder=1)
     for method in reversed(table.columns):  # the first lies on top
-        dot(axes, table[method].to_numpy(), rows, method_color(method))
+        dot(axes, table[method].to_numpy(), rows, palette[method])
     axes.set_xlim(left=0)
     guide(axes, "x")
     axes.spines["left"].set_visible(False)
@@ -248,7 +249,7 @@ def _draw_ramps_below(figure: Figure, grid: GridSpec, names: Sequence[str]) -> N
             strip.set_yticks([])
 
 
-def _label_bar(bar: Colorbar, table: Cells, method: str, versus: str) -> None:
+def _label_bar(bar: Colorbar, table: Cells, method: str, versus: str, palette: Mapping[str, str]) -> None:
     measure = table.measure
     what = f"distance of the {measure.label} from 1" if is_ratio(measure) else measure.axis
     bar.set_label(f"{what}\n{method_label(method)} − {method_label(versus)}")
@@ -261,7 +262,7 @@ def _label_bar(bar: Colorbar, table: Cells, method: str, versus: str) -> None:
             transform=bar.ax.transAxes,
             ha="center",
             va="top" if place < 0 else "bottom",
-            color=method_color(name),
+            color=palette[name],
             fontsize=SMALL,
         )
         text.set_in_layout(place > 0)  # below, there is room beside the row of means

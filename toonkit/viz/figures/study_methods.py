@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -12,15 +12,15 @@ from scipy.stats import gaussian_kde
 
 from toonkit._validation import FloatArray
 from toonkit.study.measures import MEASURES
-from toonkit.study.reporting.cells import cells
+from toonkit.study.reporting.cells import cells, names_in
 from toonkit.study.reporting.comparisons import COMPARED, comparisons
-from toonkit.study.reporting.statistics import is_ratio, method_means
+from toonkit.study.reporting.statistics import TOO_FEW, is_ratio, method_means
 from toonkit.viz.figures.study_style import (
     ROW,
     axis_label,
     dot,
     guide,
-    method_color,
+    method_colors,
     method_label,
     method_legend,
     spread,
@@ -31,6 +31,10 @@ RESPONSE_LIMIT = 1.6
 """End of the axis of responses; the few beyond are counted in the figure."""
 
 SIGNIFICANT = 0.05
+
+FEW_SWEEPS = 20
+SWEEP_TICKS = (0, 20, 100, 1000, 10_000)
+"""Where the axis of sweeps turns from linear to logarithmic, and its labels."""
 
 
 def error_distributions(
@@ -54,6 +58,7 @@ def error_distributions(
     """
     tables = {column: cells(trials, column) for column in measures}
     methods = tables[measures[0]].working
+    colors = method_colors(tables[measures[0]].methods)
     with figure_style():
         figure = new_figure(2.0 + 0.5 * len(methods), gap=0.03)
         panels = figure.subplots(
@@ -68,8 +73,8 @@ def error_distributions(
             for row, method in enumerate(methods):
                 values = table.shared(method)
                 values = values[np.isfinite(values)]
-                _draw_shares(above, values, method_color(method))
-                _draw_cloud(below, values, row, method_color(method))
+                _draw_shares(above, values, colors[method])
+                _draw_cloud(below, values, row, colors[method])
             above.set_ylim(0, 1)
             guide(above, "both")
             guide(below, "x")
@@ -80,7 +85,7 @@ def error_distributions(
         panels[0, 0].set_ylabel("share of trials below")
         panels[1, 0].set_yticks(range(len(methods)), [method_label(method) for method in methods])
         panels[1, 0].set_ylim(len(methods) - 0.55, -0.6)
-        method_legend(figure, methods)
+        method_legend(figure, methods, colors)
     return figure
 
 
@@ -100,13 +105,14 @@ def fit_against_response(trials: pd.DataFrame) -> Figure:
     """
     fit, response = cells(trials, "input_rmse"), cells(trials, "relight_response")
     centers = method_means(trials, ("input_rmse", "relight_response")).set_index(["method", "measure"])
+    colors = method_colors(response.methods)
     beyond = 0
     with figure_style():
         figure = new_figure(3.6, width=5.2)
         axes = figure.subplots()
         axes.axhline(1.0, color=QUIET, linewidth=0.7, linestyle=(0, (4, 3)), zorder=1)
         for method in response.working:
-            color = method_color(method)
+            color = colors[method]
             x, y = fit.of(method).ravel(), response.of(method).ravel()
             beyond += int((y > RESPONSE_LIMIT).sum())
             axes.plot(x, y, ".", color=color, markersize=3.0, alpha=0.3, markeredgewidth=0, zorder=2)
@@ -134,7 +140,7 @@ def fit_against_response(trials: pd.DataFrame) -> Figure:
         if beyond:
             text = f"{beyond} trial{'s' if beyond > 1 else ''} above {RESPONSE_LIMIT:g} not shown"
             axes.text(right, RESPONSE_LIMIT, text, ha="right", va="top", color=QUIET, fontsize=SMALL)
-        method_legend(figure, response.working)
+        method_legend(figure, response.working, colors)
     return figure
 
 
@@ -152,16 +158,17 @@ def paired_differences(trials: pd.DataFrame, measures: Sequence[str] = COMPARED)
     Returns
     -------
     matplotlib.figure.Figure
-        A row for each pair, with the share of trials that its first method wins. A dot is filled if the difference is
-        significant over shapes, after correction for the number of all comparisons.
+        A row for each pair, with the share of trials that its first method wins. A dot is filled if p is small, after
+        correction for the number of all comparisons. Of too few shapes or color maps there is neither p nor interval.
     """
     table = comparisons(trials, measures=measures)
     pairs = list(dict.fromkeys(zip(table["method"], table["versus"], strict=True)))
+    colors = method_colors(names_in(trials, "method"))
     with figure_style():
         figure = new_figure(1.0 + 1.3 * ROW * len(pairs))
         panels = figure.subplots(1, len(measures), sharey=True, squeeze=False)[0]
         for axes, column in zip(panels, measures, strict=True):
-            _draw_pairs(axes, table[table["measure"] == column], pairs)
+            _draw_pairs(axes, table[table["measure"] == column], pairs, colors)
             measure = MEASURES[column]
             what = (
                 f"{measure.label},\ndistance from 1"
@@ -177,7 +184,12 @@ def paired_differences(trials: pd.DataFrame, measures: Sequence[str] = COMPARED)
         )
         panels[0].set_ylim(len(pairs) - 0.5, -0.75)
         figure.supxlabel(
-            f"Percentages: trials won by the method named first. Filled: p < {SIGNIFICANT} over shapes, corrected.",
+            "Percentages: trials won by the method named first. "
+            + (
+                f"Filled: p < {SIGNIFICANT} (approximate), corrected."
+                if table["low"].notna().any()
+                else f"No intervals: {TOO_FEW}."
+            ),
             fontsize=SMALL,
             color=QUIET,
         )
@@ -202,13 +214,17 @@ def sweeps_figure(sweeps: pd.DataFrame, *, method: str = "todo") -> Figure:
     """
     shown = ("angular_error", "relight_rmse", "input_rmse", "energy")
     means = sweeps.groupby("sweeps")[list(shown)].mean()
+    color = method_colors([method])[method]
+    ticks = [tick for tick in SWEEP_TICKS if means.index.min() <= tick <= means.index.max()]
     with figure_style():
         figure = new_figure(1.9, gap=0.03)
         for axes, column in zip(figure.subplots(1, len(shown)), shown, strict=True):
-            axes.plot(means.index, means[column], color=method_color(method), linewidth=1.0)
-            dot(axes, means.index, means[column], method_color(method))
-            axes.set_xscale("log")
-            axes.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
+            axes.plot(means.index, means[column], color=color, linewidth=1.0)
+            dot(axes, means.index, means[column], color)
+            # No sweep at all has a place too: left of this many, the axis is linear.
+            axes.set_xscale("symlog", linthresh=FEW_SWEEPS, linscale=0.6)
+            axes.set_xticks(ticks, [f"{tick:,}" for tick in ticks], minor=False)
+            axes.set_xticks([], minor=True)
             axes.ticklabel_format(axis="y", scilimits=(-3, 4), useMathText=True)
             axes.set_ylim(0, 1.08 * float(means[column].max()))
             axes.set_xlabel("sweeps")
@@ -253,14 +269,16 @@ def _draw_cloud(axes: Axes, values: FloatArray, row: int, color: str) -> None:
     )
 
 
-def _draw_pairs(axes: Axes, table: pd.DataFrame, pairs: Sequence[tuple[str, str]]) -> None:
+def _draw_pairs(
+    axes: Axes, table: pd.DataFrame, pairs: Sequence[tuple[str, str]], colors: Mapping[str, str]
+) -> None:
     axes.axvline(0.0, color=QUIET, linewidth=0.7)
     axes.spines["left"].set_visible(False)
     axes.tick_params(axis="y", length=0)
     for row in table.itertuples():
-        place, color = pairs.index((row.method, row.versus)), method_color(row.versus)
+        place, color = pairs.index((row.method, row.versus)), colors[row.versus]
         axes.plot([row.low, row.high], [place, place], color=color, linewidth=1.4, zorder=2)
-        sure = row.p_shapes_holm < SIGNIFICANT
+        sure = row.p_holm < SIGNIFICANT  # not if NaN
         axes.plot(
             row.difference,
             place,

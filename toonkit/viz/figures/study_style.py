@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Literal
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from toonkit._validation import FloatArray
 from toonkit.study.measures import MEASURES
 from toonkit.study.reporting.statistics import is_ratio
-from toonkit.viz.figures.style import INK, METHOD_COLORS, METHOD_LABELS
+from toonkit.viz.figures.style import METHOD_COLORS, METHOD_LABELS
 
 PALE = "#e4e3df"
 """Grids."""
@@ -26,9 +26,30 @@ GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 """Its multiples fill an interval evenly."""
 
 
-def method_color(method: str, *, default: str = INK) -> str:
-    """Return a method's color, or another if the house style does not know it."""
-    return METHOD_COLORS.get(method, default)
+SPARE_COLORS = ("#ccbc66", "#a60014", "#1000cc", "#331a1d")
+"""Colors of newcomers, in order: any two of these and of the house's stay apart for color-blind readers."""
+
+LEGEND_COLUMNS = 7
+"""Names of methods that fit beside each other."""
+
+
+def method_colors(methods: Sequence[str]) -> dict[str, str]:
+    """
+    Return the color of every method of a table.
+
+    Parameters
+    ----------
+    methods : sequence of str
+        All of them, in the table's order, so that a method has one color in every figure of the table.
+
+    Returns
+    -------
+    dict
+        The house's colors; newcomers have the spare ones in order, from the first again if these run out.
+    """
+    colors = {name: METHOD_COLORS[name] for name in methods if name in METHOD_COLORS}
+    newcomers = [name for name in methods if name not in METHOD_COLORS]
+    return colors | {name: SPARE_COLORS[place % len(SPARE_COLORS)] for place, name in enumerate(newcomers)}
 
 
 def method_label(method: str) -> str:
@@ -36,8 +57,8 @@ def method_label(method: str) -> str:
     return METHOD_LABELS.get(method, method)
 
 
-def method_legend(figure: Figure, methods: Iterable[str]) -> None:
-    """Name the colors in a line above all panels."""
+def method_legend(figure: Figure, methods: Iterable[str], colors: Mapping[str, str]) -> None:
+    """Name the colors of methods above all panels."""
     handles = [
         Line2D(
             [],
@@ -45,13 +66,17 @@ def method_legend(figure: Figure, methods: Iterable[str]) -> None:
             marker="o",
             linestyle="",
             markersize=4.5,
-            color=method_color(name),
+            color=colors[name],
             label=method_label(name),
         )
         for name in methods
     ]
     figure.legend(
-        handles=handles, loc="outside upper center", ncols=len(handles), handletextpad=0.2, columnspacing=1.6
+        handles=handles,
+        loc="outside upper center",
+        ncols=min(len(handles), LEGEND_COLUMNS),
+        handletextpad=0.2,
+        columnspacing=1.6,
     )
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pandas as pd
 
 from toonkit.study.measures import MEASURES
+from toonkit.study.reporting.cells import names_in
 from toonkit.study.reporting.comparisons import comparisons
 from toonkit.study.reporting.findings import Finding
 from toonkit.study.reporting.statistics import Grouping, breakdown, method_means
@@ -20,7 +22,7 @@ from toonkit.study.reporting.tables import (
     shown_means,
     shown_refinements,
 )
-from toonkit.viz.figures.study_style import method_color, spoken
+from toonkit.viz.figures.study_style import method_colors, spoken
 
 VERDICT_COLORS = {"agrees": "#1a7f4b", "partly": "#9a6700", "disagrees": "#b3261e", "undecided": "#75757a"}
 
@@ -39,17 +41,17 @@ def means_table(trials: pd.DataFrame) -> Any:
     def weight(row: pd.Series) -> list[str]:
         return ["font-weight: 700" if method in best.get(row.name, ()) else "" for method in row.index]
 
-    return _styled(table.T).apply(weight, axis=1)
+    return _styled(table.T, _methods(trials)).apply(weight, axis=1)
 
 
 def comparisons_table(trials: pd.DataFrame) -> Any:
     """Return the pairs of methods with differences, shares of trials won, and corrected p-values."""
-    return _styled(shown_comparisons(comparisons(trials))).hide(axis="index")
+    return _styled(shown_comparisons(comparisons(trials)), _methods(trials)).hide(axis="index")
 
 
 def extremes_table(trials: pd.DataFrame, measure: str, by: Grouping) -> Any:
     """Return on which shapes or color maps each method is best and worst."""
-    return _styled(extremes(breakdown(trials, measure, by), measure))
+    return _styled(extremes(breakdown(trials, measure, by), measure), _methods(trials))
 
 
 def findings_table(found: list[Finding]) -> Any:
@@ -61,7 +63,7 @@ def findings_table(found: list[Finding]) -> Any:
 
 def refinements_table(trials: pd.DataFrame) -> Any:
     """Return how the methods' refinements ended."""
-    return _styled(shown_refinements(refinements(trials)))
+    return _styled(shown_refinements(refinements(trials)), _methods(trials))
 
 
 def sweeps_table(sweeps: pd.DataFrame) -> Any:
@@ -73,12 +75,16 @@ def sweeps_table(sweeps: pd.DataFrame) -> Any:
     return _styled(pd.DataFrame(shown)).hide(axis="index")
 
 
-def _styled(table: pd.DataFrame) -> Any:
+def _methods(trials: pd.DataFrame) -> tuple[str, ...]:
+    return names_in(trials, "method")
+
+
+def _styled(table: pd.DataFrame, methods: Sequence[str] = ()) -> Any:
     """Return a `Styler` in which whatever is named after a method carries its color."""
     # A name of the index would have a row of its own.
     styler = table.rename_axis(index=None, columns=None).style.set_table_styles(_LOOK)
     for axis in ("index", "columns"):
-        styler = styler.map_index(_marked, axis=axis)
+        styler = styler.map_index(_marked, axis=axis, colors=method_colors(methods))
     return styler
 
 
@@ -90,6 +96,6 @@ def _number(name: str, value: Any) -> str:
     return f"{value:,.0f}" if abs(value) >= 1000 or float(value).is_integer() else f"{value:.4g}"
 
 
-def _marked(name: object) -> str:
-    color = method_color(str(name), default="")
+def _marked(name: object, *, colors: Mapping[str, str]) -> str:
+    color = colors.get(str(name), "")
     return f"border-left: 0.5em solid {color};" if color else ""

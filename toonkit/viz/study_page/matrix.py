@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from toonkit._validation import FloatArray
+from toonkit._validation import BoolArray, FloatArray
 from toonkit.study.measures import Measure
 from toonkit.study.reporting.cells import Cells, cells, names_in, on_track
+from toonkit.study.reporting.statistics import is_ratio
 from toonkit.study.trials import LightTrack
 from toonkit.viz.figures.style import METHOD_LABELS
 
@@ -48,6 +50,9 @@ class TrialMatrix:
         The measure of the method and of the other one; NaN where there is none. `theirs` is all NaN without another.
     values : ndarray, shape (S, M)
         What the heat map shows: the measure or, compared with another method, by how much it is farther from its ideal.
+    counted : ndarray of bool, shape (S, M)
+        Cells that the means are over, as in the study's report: those that every method completed or, of a difference,
+        those that both did.
     gaps : ndarray of str, shape (S, M)
         Why a value is missing: the error of a failed trial, or `NOT_RUN`; "" where there is one.
     limits : (float, float)
@@ -63,6 +68,7 @@ class TrialMatrix:
     ours: FloatArray
     theirs: FloatArray
     values: FloatArray
+    counted: BoolArray
     gaps: NDArray[np.object_]
     limits: tuple[float, float]
 
@@ -75,18 +81,32 @@ class TrialMatrix:
 
     @property
     def row_means(self) -> FloatArray:
-        """Mean of each shape over the color maps it has values for, shape (S,)."""
-        return _means(self.values, 1)
+        """Mean, or median of a ratio, of each shape over its `counted` cells, shape (S,)."""
+        return self._centers(self._compared)
 
     @property
     def column_means(self) -> FloatArray:
-        """Mean of each color map over the shapes it has values for, shape (M,)."""
-        return _means(self.values, 0)
+        """Mean, or median of a ratio, of each color map over its `counted` cells, shape (M,)."""
+        return self._centers(self._compared.T)
 
     @property
     def mean(self) -> float:
-        """Mean of all values; NaN if there is none."""
-        return float(_means(self.values.reshape(1, -1), 1)[0])
+        """Mean, or median of a ratio, of all `counted` cells; NaN if there is none."""
+        return float(self._centers(self._compared.reshape(1, -1))[0])
+
+    @property
+    def center_name(self) -> str:
+        """What `mean`, `row_means` and `column_means` are: "mean", or "median" of a ratio."""
+        return "median" if is_ratio(self.measure) else "mean"
+
+    @property
+    def _compared(self) -> FloatArray:
+        return np.where(self.counted, self.values, np.nan)
+
+    def _centers(self, rows: FloatArray) -> FloatArray:
+        middle = np.median if is_ratio(self.measure) else np.mean
+        known = [row[np.isfinite(row)] for row in rows]
+        return np.array([middle(row) if row.size else np.nan for row in known], dtype=np.float64)
 
     @property
     def title(self) -> str:
@@ -137,12 +157,16 @@ class TrialMatrix:
             return "No trial has a value here."
         if not self.versus:
             best = f"{self.measure.ideal:g} is best" if self.measure.ideal else "smaller is better"
-            return f"Mean {self.shown(self.mean)} over {int(known.sum())} trials; {best}.{gaps}"
+            name = self.center_name.capitalize()
+            count = int((self.counted & known).sum())
+            if not count:
+                return f"No {self.center_name}: there is no trial that every method completed.{gaps}"
+            return f"{name} {self.shown(self.mean)} over the {count} trials that every method completed; {best}.{gaps}"
         ours, theirs = spoken(self.method), spoken(self.versus)
         wins = int((self.values[known] < 0).sum())
         return (
-            f"Blue: {ours} is better; orange: {theirs} is. {ours} is better in {wins} of {int(known.sum())} trials, "
-            f"and {self.shown(self.mean)} on average.{gaps}"
+            f"Blue: {ours} is better; orange: {theirs} is. {ours} is better in {wins} of {int(known.sum())} trials; "
+            f"the {self.center_name} is {self.shown(self.mean)}.{gaps}"
         )
 
 
@@ -172,16 +196,22 @@ def trial_matrix(
     -----
     A difference is one of distances from the ideal, |ours - ideal| - |theirs - ideal|, also where the ideal is 1.
     So a negative difference always says that the method is better than the other.
+
+    Means are those of `toonkit.study.reporting.statistics.method_means` and, of a difference, of
+    `toonkit.study.reporting.comparisons.compare`; of a ratio, whose ideal is 1, they are medians.
     """
     on_one_track = on_track(trials, light_track)
     arranged = cells(on_one_track, measure)
     # Of the whole table: the places of cells do not depend on what one track has.
     kinds, columns = _kinds(trials), names_in(trials, "color_map")
     departures = arranged.departures
-    ours, our_departure = (_placed(part, method, tuple(kinds), columns) for part in (arranged, departures))
-    theirs, their_departure = (
-        _placed(part, versus, tuple(kinds), columns) for part in (arranged, departures)
-    )
+
+    def placed(part: Cells, name: str) -> FloatArray:
+        values = part.of(name) if name in part.methods else np.full(part.common.shape, np.nan)
+        return _placed(part, values, tuple(kinds), columns, np.nan)
+
+    ours, our_departure = (placed(part, method) for part in (arranged, departures))
+    theirs, their_departure = (placed(part, versus) for part in (arranged, departures))
     values = our_departure - their_departure if versus else ours
     return TrialMatrix(
         measure=arranged.measure,
@@ -193,6 +223,9 @@ def trial_matrix(
         ours=ours,
         theirs=theirs,
         values=values,
+        counted=np.isfinite(values)
+        if versus
+        else _placed(arranged, arranged.common, tuple(kinds), columns, False),
         gaps=_gaps(on_one_track, values, [method, versus], tuple(kinds), columns),
         limits=_limits(values, 0.0, two_sided=True) if versus else _scale(arranged, method),
     )
@@ -203,14 +236,15 @@ def spoken(name: str) -> str:
     return METHOD_LABELS.get(name, name.replace("_", " "))
 
 
-def _placed(arranged: Cells, method: str, shapes: tuple[str, ...], color_maps: tuple[str, ...]) -> FloatArray:
-    """Return a method's values over all shapes and color maps; NaN where it has none."""
-    values = np.full((len(shapes), len(color_maps)), np.nan)
-    if method in arranged.methods:
-        rows = [shapes.index(name) for name in arranged.shapes]
-        columns = [color_maps.index(name) for name in arranged.color_maps]
-        values[np.ix_(rows, columns)] = arranged.of(method)
-    return values
+def _placed(
+    arranged: Cells, values: NDArray[Any], shapes: tuple[str, ...], color_maps: tuple[str, ...], missing: Any
+) -> NDArray[Any]:
+    """Return an array over the cells as one over all shapes and color maps."""
+    placed = np.full((len(shapes), len(color_maps)), missing)
+    rows = [shapes.index(name) for name in arranged.shapes]
+    columns = [color_maps.index(name) for name in arranged.color_maps]
+    placed[np.ix_(rows, columns)] = values
+    return placed
 
 
 def _gaps(
@@ -250,13 +284,6 @@ def _limits(values: FloatArray, center: float, *, two_sided: bool) -> tuple[floa
     reach = float(np.percentile(known, COVERED)) if known.size else 0.0
     reach = reach or 1.0  # all values alike: any scale will do
     return center - reach if two_sided else center, center + reach
-
-
-def _means(values: FloatArray, axis: int) -> FloatArray:
-    known = np.isfinite(values)
-    count = known.sum(axis=axis)
-    total = np.where(known, values, 0.0).sum(axis=axis)
-    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
 def _kinds(trials: pd.DataFrame) -> dict[str, str]:

@@ -1,0 +1,124 @@
+"""Cells of a study, the trials of one shape and one color map: what a worker gets, and what it does with it."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from toonkit._validation import ToonkitError
+from toonkit.methods import METHODS
+from toonkit.model.color_map import ColorMap
+from toonkit.model.image import ToonImage
+from toonkit.model.light import light_direction
+from toonkit.study.contestants import Contestant
+from toonkit.study.digests import CODE
+from toonkit.study.plan import StudyPlan
+from toonkit.study.rendering import RenderedShape
+from toonkit.study.subjects import Subject, render
+from toonkit.study.trials import Record, StudySettings, Trial, paint, run_trial, unmeasured
+
+Outcome = tuple[Trial, Record]
+Truth = RenderedShape | Exception
+
+
+@dataclass(frozen=True, eq=False)
+class Cell:
+    """
+    Trials of one shape and one color map, with all that a worker needs for them but the rendered shape.
+
+    Attributes
+    ----------
+    trials : tuple of Trial
+        What to measure.
+    shape_kind : str
+        The shape's kind.
+    color_map : ColorMap
+        M_t.
+    methods : dict
+        Contestants by name.
+    settings : StudySettings
+        Size and lights.
+    code : str
+        Digest of the code that is to measure.
+    subject : Shape or MeshShape, or None
+        What is to be rendered first.
+    """
+
+    trials: tuple[Trial, ...]
+    shape_kind: str
+    color_map: ColorMap
+    methods: dict[str, Contestant]
+    settings: StudySettings
+    code: str = CODE
+    subject: Subject | None = None
+
+    @classmethod
+    def of(cls, trials: Sequence[Trial], plan: StudyPlan) -> Cell:
+        """Return the cell of trials that share a shape and a color map of a plan."""
+        shape, color_map = trials[0].shape, trials[0].color_map
+        subject = plan.subjects[shape]
+        methods = {trial.method: plan.methods[trial.method] for trial in trials}
+        return cls(
+            tuple(trials), subject.kind, plan.color_maps[color_map], methods, plan.settings, subject=subject
+        )
+
+    def one_by_one(self) -> list[Cell]:
+        """Return a cell for each trial."""
+        return [
+            replace(self, trials=(trial,), methods={trial.method: self.methods[trial.method]})
+            for trial in self.trials
+        ]
+
+    def failed(self, error: str) -> list[Record]:
+        """Return records of all trials with an error."""
+        return [unmeasured(trial, self.shape_kind, self.settings, error=error) for trial in self.trials]
+
+
+def measured_here(cells: Sequence[Cell]) -> Generator[Outcome, None, None]:
+    """Measure cells in this process, one trial after the other."""
+    rendered: Subject | None = None
+    truth: Truth = ToonkitError("nothing was rendered")
+    for cell in cells:
+        if cell.subject is not rendered:
+            rendered, truth = cell.subject, rendered_or_error(cell.subject, cell.settings.size)
+        for one in cell.one_by_one():
+            yield from zip(one.trials, measure(truth, one), strict=True)
+
+
+def rendered_or_error(subject: Subject | None, size: int) -> Truth:
+    """Render a subject; what goes wrong is handed on, for the records of all its trials to tell."""
+    try:
+        if subject is None:
+            raise ToonkitError("the cell has no subject")
+        return render(subject, size)
+    except Exception as error:
+        return error
+
+
+def measure(truth: Truth, cell: Cell) -> list[Record]:
+    """Run the trials of a cell, on whatever machine; raises `ToonkitError` if that has other code."""
+    if cell.code != CODE:
+        raise ToonkitError(
+            "workers must have this very toonkit; got another: install it there and start them anew"
+        )
+    if not isinstance(truth, RenderedShape):
+        return cell.failed(f"{type(truth).__name__}: {truth}")
+    _warm_up()
+    painting = paint(truth, cell.color_map, cell.settings)
+    return [run_trial(trial, cell.shape_kind, painting, cell.methods[trial.method]) for trial in cell.trials]
+
+
+@cache
+def _warm_up() -> None:
+    """Let toonkit's methods load their compiled code, once in each process: no trial's seconds shall hold that."""
+    y, x = np.mgrid[:32, :32] - 15.5
+    mask = x**2 + y**2 < 200
+    disc = ToonImage(np.where((x > 0)[..., None], 0.9, 0.2) * np.ones(3), mask)
+    for method in METHODS.values():
+        try:
+            method(disc, light_direction(135, 45))
+        except Exception:  # a method of somebody's that has no answer here may have one to the trials
+            continue

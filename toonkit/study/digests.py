@@ -1,0 +1,185 @@
+"""Digests: whether code, a shape, a color map or a method is still the one that an older record was made with."""
+
+from __future__ import annotations
+
+import ast
+import functools
+import hashlib
+import inspect
+import sys
+import types
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import toonkit
+from toonkit.model.color_map import ColorMap
+from toonkit.study.registry import BOUND, Shape
+from toonkit.study.subjects import Subject
+
+PACKAGE = Path(toonkit.__file__).parent
+
+MEASURED_BY = (
+    "_validation.py", "analysis.py", "metrics.py", "relighting.py", "model", "numerics", "estimation", "methods/steps.py",
+    *(f"study/{name}" for name in ("contestants.py", "registry.py", "rendering.py", "subjects.py", "trials.py")),
+    *(f"study/solids/{name}" for name in ("mesh_rays.py", "sphere_tracing.py")),
+)  # fmt: skip
+"""The modules that every trial depends on, in `toonkit/`; methods, shapes and color maps have digests of their own."""
+
+_PROBES = np.random.default_rng(0).uniform(-BOUND, BOUND, (4096, 3))
+_PLAIN = (type(None), bool, int, float, complex, str, bytes)
+
+
+def code_digest(package: Path = PACKAGE) -> str:
+    """Return a digest of the code that measures: comments, docstrings and layout do not count."""
+    digest = hashlib.sha256()
+    for name in MEASURED_BY:
+        path = package / name
+        for file in sorted(path.glob("*.py")) if path.is_dir() else [path]:
+            digest.update(f"{file.relative_to(package)}\n{_bare(file)}".encode())
+    return digest.hexdigest()
+
+
+def subject_digest(subject: Subject) -> str:
+    """Return a digest of what a subject looks like: its distances at fixed places or its triangles, and its view."""
+    digest = hashlib.sha256(repr(subject.view).encode())
+    if isinstance(subject, Shape):
+        digest.update(np.round(subject.distance(_PROBES), 9).tobytes())
+    else:
+        digest.update(np.ascontiguousarray(subject.mesh.vertices, dtype=np.float64).tobytes())
+        digest.update(np.ascontiguousarray(subject.mesh.faces, dtype=np.int64).tobytes())
+    return digest.hexdigest()
+
+
+def color_map_digest(color_map: ColorMap) -> str:
+    """Return a digest of a color map's samples and domain."""
+    return hashlib.sha256(color_map.colors.tobytes() + repr(color_map.domain).encode()).hexdigest()
+
+
+def method_digest(method: object) -> str:
+    """
+    Return a digest of a callable: its source, and what it closes over, calls beside itself, or was bound to.
+
+    What it calls of toonkit is known by `CODE`, and of other packages by their versions. A method of toonkit itself is known
+    by its module.
+    """
+    digest = hashlib.sha256()
+    for part in _parts(method, {}):
+        digest.update(f"{len(part)}:".encode() + part)
+    return digest.hexdigest()
+
+
+def _parts(value: Any, seen: dict[int, Any]) -> Iterator[bytes]:
+    """Yield, in a fixed order, the bytes that tell a value from another."""
+    if isinstance(value, _PLAIN):
+        yield repr(value).encode()
+        return
+    if id(value) in seen:
+        return
+    seen[id(value)] = value  # kept alive, or another could take its id
+    yield f"{type(value).__module__}.{type(value).__qualname__}".encode()
+    if isinstance(value, np.ndarray):
+        yield f"{value.dtype}{value.shape}".encode() + np.ascontiguousarray(value).tobytes()
+    elif isinstance(value, types.ModuleType):
+        yield value.__name__.encode()
+    elif isinstance(value, types.FunctionType):
+        yield from _function_parts(value, seen)
+    elif isinstance(value, type):
+        yield _source(value)
+    elif isinstance(value, dict):
+        for key in sorted(value, key=repr):
+            yield from _all_parts((key, value[key]), seen)
+    elif isinstance(value, list | tuple):
+        yield from _all_parts(value, seen)
+    elif isinstance(value, set | frozenset):
+        yield from _all_parts(sorted(value, key=repr), seen)
+    elif isinstance(value, functools.partial):
+        yield from _all_parts((value.func, value.args, value.keywords), seen)
+    elif isinstance(value, types.MethodType):
+        yield from _all_parts((value.__func__, value.__self__), seen)
+    else:
+        # A compiled function keeps its Python source; any other object is its class and what it holds.
+        yield from _all_parts(
+            (getattr(value, "py_func", type(value)), dict(getattr(value, "__dict__", {}))), seen
+        )
+
+
+def _all_parts(values: Any, seen: dict[int, Any]) -> Iterator[bytes]:
+    for value in values:
+        yield from _parts(value, seen)
+
+
+def _function_parts(function: types.FunctionType, seen: dict[int, Any]) -> Iterator[bytes]:
+    module = sys.modules.get(function.__module__)
+    if function.__module__.startswith("toonkit.") and module is not None and module.__file__:
+        yield _bare(Path(module.__file__)).encode()
+        return
+    yield _source(function)
+    yield from _all_parts((function.__defaults__, function.__kwdefaults__), seen)
+    for cell in function.__closure__ or ():
+        try:
+            yield from _parts(cell.cell_contents, seen)
+        except ValueError:  # a name that is not bound yet
+            yield b"unbound"
+    for name in sorted(set(_names(function.__code__))):
+        if name in function.__globals__:
+            yield name.encode()
+            yield from _global_parts(function.__globals__[name], function.__module__, seen)
+
+
+def _global_parts(value: Any, module: str, seen: dict[int, Any]) -> Iterator[bytes]:
+    """Follow what a function finds in its own module; what that imported is known by its name."""
+    home = getattr(value, "__module__", module)
+    if callable(value) and home != module:
+        yield f"{home}.{getattr(value, '__qualname__', '')}".encode()
+    else:
+        yield from _parts(value, seen)
+
+
+def _names(code: types.CodeType) -> Iterator[str]:
+    yield from code.co_names
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            yield from _names(constant)
+
+
+def _source(thing: Any) -> bytes:
+    try:
+        return inspect.getsource(thing).encode()
+    except (OSError, TypeError):  # typed at a prompt, or built in
+        code = getattr(thing, "__code__", None)
+        return thing.__qualname__.encode() if code is None else b"".join(_code_parts(code))
+
+
+def _code_parts(code: types.CodeType) -> Iterator[bytes]:
+    yield code.co_code + repr(code.co_names).encode()
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            yield from _code_parts(constant)
+        else:
+            yield repr(constant).encode()
+
+
+def _bare(file: Path) -> str:
+    """Return a module's source without comments, docstrings and layout."""
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(body, list):
+            # Strings that stand alone: docstrings, and those below constants and attributes.
+            node.body = [line for line in body if not _is_text(line)]  # type: ignore[attr-defined]
+    return ast.unparse(tree)
+
+
+def _is_text(node: ast.AST) -> bool:
+    return (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+    )
+
+
+CODE = code_digest()
+"""Digest of the code that runs: taken when it was imported, whatever became of the files since."""
