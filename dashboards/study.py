@@ -97,7 +97,7 @@ def method_picker(state: StudyState) -> ChoiceCards:
 
     def describe(*_: object) -> None:
         means = state.means().items()
-        cards.choices = text_choices({name: (spoken(name), f"mean {mean}") for name, mean in means})
+        cards.choices = text_choices({name: (spoken(name), mean) for name, mean in means})
 
     pn.bind(describe, state.param.measure, state.param.light_track, watch=True)
     describe()

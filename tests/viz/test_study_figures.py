@@ -197,7 +197,7 @@ def test_a_dot_is_filled_by_the_corrected_p_over_shapes_and_color_maps(trials):
     table = trials.sort_values(["method", "color_map", "shape"], ignore_index=True)
     table = pd.concat([table[table["method"] == name] for name in ("todo", "lumo")], ignore_index=True)
     table.loc[:35, "angular_error"], table.loc[36:, "angular_error"] = 20.0, 25.0
-    # All six shapes and all six color maps agree, but two measures are few enough for Holm only if p is halved.
+    # All six shapes and all six color maps agree: p is 2 in 64 over either.
     (sure,) = dots(paired_differences(table, ("angular_error",)))
     assert to_hex(sure.get_markerfacecolor()) != "#ffffff"
     table.loc[36:, "angular_error"] = 20.0 + np.repeat([5.0, 4.0, 3.0, 2.0, -1.0, -1.5], 6)

@@ -138,8 +138,8 @@ def test_means_are_those_of_the_report_whatever_failed(measure):
     for method, text in page.means().items():
         matrix = trial_matrix(trials, measure=measure, method=method)
         assert matrix.mean == pytest.approx(report.loc[method, "center"], rel=1e-12)
-        assert text.startswith(matrix.shown(report.loc[method, "center"]))
-        assert text.endswith("(median)") == (measure == "relight_response")
+        center = "median" if measure == "relight_response" else "mean"
+        assert text == f"{center} {matrix.shown(report.loc[method, 'center'])}"
         for by, means in (("shape", matrix.row_means), ("color_map", matrix.column_means)):
             groups = breakdown(trials, measure, by)
             names = matrix.shapes if by == "shape" else matrix.color_maps

@@ -6,8 +6,8 @@ pigeonhole bootstrap of A. B. Owen, Annals of Applied Statistics 1(2), 2007, doi
 other shapes and other color maps of the kind. With twenty of each they are a little too narrow: simulated ones that say
 95 % held the true mean 93 times in 100.
 
-The center is the mean. Where 1 is best, a measure is a ratio, and its center is the median: a response is a change
-divided by the true change, which can be next to nothing, and a single such trial would make the mean.
+The center is the mean. Where 1 is best, a measure is a ratio to the truth, and its center is the median: a few trials in
+which the truth hardly changes cannot make it.
 
 Drawing one shape anew gives the same shape: of too few, no interval can be had this way, and none is given.
 """

@@ -44,7 +44,7 @@ TRACK_NAMES = {"given": "the true light given", "estimated": "the light estimate
 P_VALUES = (
     "The interval is the primary evidence. p is approximate: Wilcoxon's signed-rank test is made over the shapes' own "
     "centers and over the color maps' own, and the larger p is shown, since shapes share their color maps and color maps "
-    "their shapes, so that neither are independent samples."
+    "their shapes, so that neither test alone is enough."
 )
 """How p-values are reached, for readers."""
 
@@ -55,7 +55,7 @@ _HOW = (
 )
 _HOW_PAIRS = (
     "A difference below 0 means that the first method is better. Trials in which one method failed are lost to the other. "
-    f"{P_VALUES} They are corrected by Holm's method for all rows of this table."
+    f"{P_VALUES} p is corrected by Holm's method for all rows of this table."
 )
 
 
@@ -198,18 +198,23 @@ def provenance_text(trials: pd.DataFrame, provenance: Mapping[str, Any]) -> str:
         )
     for column in ("toonkit", "python", "numpy", "scipy", "numba"):
         facts[column] = ", ".join(map(str, trials[column].unique()))
-    facts |= {name: str(value) for name, value in provenance.get("versions", {}).items() if name not in facts}
-    facts |= {name: str(provenance[name]) for name in ("commit", "source") if provenance.get(name)}
-    facts |= {name: str(value) for name, value in provenance.get("machine", {}).items()}
-    runs = provenance.get("runs", [])
-    spent = [run["seconds"] for run in runs if run.get("seconds") is not None]
-    if spent:
-        unfinished = len(runs) - len(spent)
-        text = f"{_duration(sum(spent))} in {len(spent)} run{'s' if len(spent) > 1 else ''}"
-        facts["wall time"] = text + (f"; {unfinished} more did not finish" if unfinished else "")
+    if "code" in provenance:
+        facts["digest of the code"] = provenance["code"]
+    for number, run in enumerate(provenance.get("runs", []), 1):
+        facts[f"run {number}"] = _run_text(run)
     facts["wall time of the analyses, all cores busy"] = _duration(float(trials["seconds"].sum()))
     table = pd.DataFrame({"": facts.values()}, index=pd.Index(facts, name="what"))
     return _markdown(table)
+
+
+def _run_text(run: Mapping[str, Any]) -> str:
+    done = "killed" if run["seconds"] is None else f"{run['trials']:,} trials in {_duration(run['seconds'])}"
+    machine, versions = run["machine"], run["versions"]
+    return (
+        f"{run['started']}, {done}, workers: {run['workers']}; commit {run['commit'] or 'unknown'}; "
+        f"{machine['processor']}, {machine['cores']} cores, {machine['system']}; "
+        + ", ".join(f"{name} {value}" for name, value in versions.items())
+    )
 
 
 def _markdown(table: pd.DataFrame, *, index: bool = True) -> str:

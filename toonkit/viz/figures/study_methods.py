@@ -275,6 +275,7 @@ def _draw_pairs(
     axes.axvline(0.0, color=QUIET, linewidth=0.7)
     axes.spines["left"].set_visible(False)
     axes.tick_params(axis="y", length=0)
+    axes.margins(x=0.14)  # room for the shares beside the outermost dots
     for row in table.itertuples():
         place, color = pairs.index((row.method, row.versus)), colors[row.versus]
         axes.plot([row.low, row.high], [place, place], color=color, linewidth=1.4, zorder=2)

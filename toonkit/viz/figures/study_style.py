@@ -29,9 +29,6 @@ GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 SPARE_COLORS = ("#ccbc66", "#a60014", "#1000cc", "#331a1d")
 """Colors of newcomers, in order: any two of these and of the house's stay apart for color-blind readers."""
 
-LEGEND_COLUMNS = 7
-"""Names of methods that fit beside each other."""
-
 
 def method_colors(methods: Sequence[str]) -> dict[str, str]:
     """
@@ -74,7 +71,7 @@ def method_legend(figure: Figure, methods: Iterable[str], colors: Mapping[str, s
     figure.legend(
         handles=handles,
         loc="outside upper center",
-        ncols=min(len(handles), LEGEND_COLUMNS),
+        ncols=min(len(handles), int(figure.get_figwidth())),  # a long name takes an inch
         handletextpad=0.2,
         columnspacing=1.6,
     )

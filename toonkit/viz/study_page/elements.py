@@ -178,8 +178,8 @@ def difference_colors() -> list[str]:
 def _page(matrix: TrialMatrix, layout: MatrixLayout) -> dict[str, Any]:
     """Return the options of the plot: names for axes, and nothing else around the cells."""
     return {
-        "xticks": [*_ticks(layout.columns, matrix.color_maps), (layout.mean_column, "mean")],
-        "yticks": [*_ticks(layout.rows, matrix.shapes), (layout.mean_row, "mean")],
+        "xticks": [*_ticks(layout.columns, matrix.color_maps), (layout.mean_column, matrix.center_name)],
+        "yticks": [*_ticks(layout.rows, matrix.shapes), (layout.mean_row, matrix.center_name)],
         "xlim": layout.frame[0],
         "ylim": layout.frame[1],
         "xaxis": "top",
@@ -216,10 +216,26 @@ def _cells(matrix: TrialMatrix, layout: MatrixLayout) -> hv.Rectangles:
             )
     for y, value, name in zip(layout.rows, matrix.row_means, matrix.shapes, strict=True):
         rows.append(
-            (layout.mean_column, y, value, spoken(name), "all color maps", f"mean {matrix.shown(value)}")
+            (
+                layout.mean_column,
+                y,
+                value,
+                spoken(name),
+                "all color maps",
+                f"{matrix.center_name} {matrix.shown(value)}",
+            )
         )
     for x, value, name in zip(layout.columns, matrix.column_means, matrix.color_maps, strict=True):
-        rows.append((x, layout.mean_row, value, "all shapes", spoken(name), f"mean {matrix.shown(value)}"))
+        rows.append(
+            (
+                x,
+                layout.mean_row,
+                value,
+                "all shapes",
+                spoken(name),
+                f"{matrix.center_name} {matrix.shown(value)}",
+            )
+        )
     rows.append(
         (layout.mean_column, layout.mean_row, matrix.mean, "all shapes", "all color maps", matrix.summary)
     )

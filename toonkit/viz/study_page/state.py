@@ -128,14 +128,14 @@ class StudyState(param.Parameterized):
         )
 
     def means(self) -> dict[str, str]:
-        """Return each method's mean of the measure as text, as in the report: over the trials that all completed."""
+        """Return each method's mean (or median) of the measure as text, as in the report: over the trials all completed."""
         means = {}
         for method in self.methods:
             matrix = trial_matrix(
                 self.trials, measure=self.measure, method=method, light_track=self.light_track
             )
-            note = f" ({matrix.center_name})" if matrix.center_name != "mean" else ""
-            means[method] = f"{matrix.shown(matrix.mean)}{note}" if np.isfinite(matrix.mean) else "no value"
+            shown = f"{matrix.center_name} {matrix.shown(matrix.mean)}"
+            means[method] = shown if np.isfinite(matrix.mean) else "no value"
         return means
 
     @property
