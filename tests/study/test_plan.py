@@ -27,6 +27,12 @@ def test_meshes_stand_alone_or_beside_named_shapes():
     assert list(plan_study(meshes=[BALL], shapes=["cat"]).subjects) == ["cat", "ball"]
 
 
+@pytest.mark.parametrize("shapes", [None, ["torus"]])
+def test_a_mesh_does_not_take_the_name_of_a_shape(shapes):
+    plan = plan_study(meshes=[MeshShape("torus", BALL.mesh)], shapes=shapes)
+    assert list(plan.subjects)[-1] == plan.subjects["torus_mesh"].name == "torus_mesh"
+
+
 def test_color_maps_may_be_brought_along():
     mine = ColorMap([[0.1, 0.1, 0.1], [0.9, 0.9, 0.9]])
     assert plan_study(color_maps={"mine": mine}).color_maps == {"mine": mine}
@@ -50,7 +56,6 @@ def test_both_light_tracks_double_the_trials():
         ({"light_tracks": ["guessed"]}, "light_tracks"),
         ({"light_tracks": []}, "light_tracks"),
         ({"meshes": [BALL, BALL]}, "meshes"),
-        ({"meshes": [MeshShape("torus", BALL.mesh)]}, "meshes"),
         ({"color_maps": {"terracotta": ColorMap([[0, 0, 0], [1, 1, 1]])}}, "color_maps"),
     ],
 )

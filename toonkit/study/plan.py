@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from toonkit._validation import refuse
@@ -80,7 +80,7 @@ def plan_study(
     shapes : iterable of str, optional
         Names in `SHAPES`; all of them by default, or none if there are meshes.
     meshes : sequence of MeshShape, optional
-        Further shapes.
+        Further shapes. One with the name of a shape of the study gets `_mesh` behind it.
     color_maps : iterable of str or mapping, optional
         Names among the study's color maps, or further ones by name.
     methods : iterable of str, optional
@@ -110,9 +110,11 @@ def plan_study(
         shapes = () if meshes else SHAPES
     subjects: dict[str, Subject] = dict(_chosen("shapes", shapes, SHAPES))
     for mesh in meshes:
-        if mesh.name in subjects or mesh.name in SHAPES:
-            raise refuse("meshes", "must have names of their own", f"{mesh.name!r}, which is another shape's")
-        subjects[mesh.name] = mesh
+        # A hand.obj is not the study's hand: their records must not replace each other.
+        name = f"{mesh.name}_mesh" if mesh.name in SHAPES else mesh.name
+        if name in subjects:
+            raise refuse("meshes", "must have names of their own", f"{name!r} twice")
+        subjects[name] = replace(mesh, name=name)
     known = load_color_maps()
     if isinstance(color_maps, Mapping):
         taken = [name for name, value in color_maps.items() if known.get(name, value) is not value]
