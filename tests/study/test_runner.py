@@ -198,6 +198,21 @@ def test_a_study_whose_process_was_killed_goes_on(tmp_path, undisturbed):
     assert all(path.stat().st_mtime_ns == written for path, written in before.items())
 
 
+def test_ctrl_c_ends_all_processes_without_a_stack_trace(tmp_path):
+    with subprocess.Popen(
+        [*COMMAND, str(tmp_path)], cwd=ROOT, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as process:
+        wait_for(lambda: len(records(tmp_path)) >= 3, process)
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+        complaint = process.communicate(timeout=WAIT_SECONDS)[1]
+    assert process.returncode == 130
+    assert complaint.splitlines() == [
+        "what was measured is on file: the same command goes on from there",
+        "toonkit: interrupted",
+    ]
+    assert len(load_trials(tmp_path)) == len(records(tmp_path))
+
+
 def test_a_killed_worker_loses_nothing(tmp_path, undisturbed):
     killed = []
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -137,15 +138,19 @@ def _run(arguments: argparse.Namespace) -> int:
     plan = _plan(arguments)
     # A lost scheduler is told in one line: dask's own stack traces say no more.
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
-    with TrialBar(visible=not arguments.quiet) as bar:
-        table = run_study(
-            plan,
-            arguments.out,
-            workers=arguments.workers,
-            scheduler=arguments.scheduler,
-            retry_failed=arguments.retry_failed,
-            progress=bar,
-        )
+    try:
+        with TrialBar(visible=not arguments.quiet) as bar:
+            table = run_study(
+                plan,
+                arguments.out,
+                workers=arguments.workers,
+                scheduler=arguments.scheduler,
+                retry_failed=arguments.retry_failed,
+                progress=bar,
+            )
+    except KeyboardInterrupt:
+        print("what was measured is on file: the same command goes on from there", file=sys.stderr)
+        raise
     errors = table.loc[table["error"] != "", "error"]
     if not arguments.quiet:
         print(

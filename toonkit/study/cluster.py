@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import logging
+import signal
+import threading
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -55,17 +57,15 @@ def _cluster(workers: int | None, scheduler: str | None, cells: int) -> Iterator
     from distributed import Client, LocalCluster  # noqa: PLC0415
 
     if scheduler is None:
-        with (
-            dask.config.set(_KEEP_MEMORY),
-            LocalCluster(
+        with dask.config.set(_KEEP_MEMORY), _ignoring_interrupts():
+            cluster = LocalCluster(
                 n_workers=min(worker_count(workers), cells),
                 threads_per_worker=1,  # the solvers use one core each
                 memory_limit=None,  # dask would count what a worker keeps for its next array, and stop it
                 dashboard_address=":0",  # any port: another cluster may hold the usual one
                 silence_logs=logging.CRITICAL,
-            ) as cluster,
-            Client(cluster) as client,
-        ):
+            )
+        with cluster, Client(cluster) as client:
             yield client
         return
     try:
@@ -75,6 +75,19 @@ def _cluster(workers: int | None, scheduler: str | None, cells: int) -> Iterator
     with client:
         _refuse_other_code(client, scheduler)
         yield client
+
+
+@contextmanager
+def _ignoring_interrupts() -> Iterator[None]:
+    """Let processes be born deaf to Ctrl-C, which a terminal sends to all: this one ends them, and no stack traces show."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread may say what a signal does
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _refuse_other_code(client: Any, scheduler: str) -> None:
