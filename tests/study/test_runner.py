@@ -249,6 +249,27 @@ def test_a_method_that_kills_its_worker_fails_and_nothing_else_does(tmp_path, mo
     assert (again["error"] == "").all()
 
 
+class NeverDone:
+    """A future that no worker takes up."""
+
+    def done(self) -> bool:
+        return False
+
+
+class Deserted:
+    """A client of a scheduler that has lost its workers."""
+
+    def nthreads(self) -> dict[str, int]:
+        return {}
+
+
+def test_cells_that_find_no_worker_are_not_waited_for(monkeypatch):
+    monkeypatch.setattr(cluster, "LOOK_SECONDS", 0.01)
+    monkeypatch.setattr(cluster, "NO_WORKER_SECONDS", 0.05)
+    cell = cells.Cell.of(plan().cells()[0], plan())
+    assert list(cluster._as_they_come({NeverDone(): cell}, Deserted())) == []
+
+
 def test_workers_with_other_code_are_refused(tmp_path, monkeypatch):
     old = cells.Cell.of(plan().cells()[0], plan())
     with pytest.raises(ToonkitError, match="this very toonkit"):

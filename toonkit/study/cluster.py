@@ -3,25 +3,42 @@
 from __future__ import annotations
 
 import logging
+import pickle
 import signal
 import threading
+import time
 from collections.abc import Generator, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import replace
+from multiprocessing import get_context
 from typing import Any
 
 from toonkit._validation import ToonkitError, refuse
 from toonkit.study.cells import Cell, Outcome, measure, rendered_or_error
 from toonkit.study.digests import CODE
 from toonkit.study.record_store import LOST
+from toonkit.study.trials import Record
 
 CONNECT_SECONDS = 20
 """How long to look for a scheduler."""
 
-_KEEP_MEMORY = {
-    f"distributed.nanny.pre-spawn-environ.MALLOC_{name}_THRESHOLD_": str(2**30) for name in ("TRIM", "MMAP")
+POLL_SECONDS, LOOK_SECONDS = 0.02, 2.0
+"""How often futures are looked at, and workers."""
+
+NO_WORKER_SECONDS = 30.0
+"""How long to wait for a worker to come back."""
+
+_LOCAL = {
+    # Who was near a death is measured again alone, and need not die three more times for that.
+    "distributed.scheduler.allowed-failures": 0,
+    # By default dask's workers give every freed array back to the system: half of a trial's time went into page faults.
+    **{
+        f"distributed.nanny.pre-spawn-environ.MALLOC_{name}_THRESHOLD_": str(2**30)
+        for name in ("TRIM", "MMAP")
+    },
 }
-# By default dask's workers give every freed array back to the system: half of a trial's time went into page faults.
 
 
 def worker_count(workers: int | None) -> int:
@@ -39,15 +56,15 @@ def measured_there(
     """
     Measure cells on a cluster; outcomes come in the order in which they are done.
 
-    A cell whose worker died is measured again, one trial at a time and alone: so only a trial that takes its worker with it
-    fails, and neither its rivals nor cells that were near.
+    A cell whose worker died, or that found none, is measured again on this machine, each trial in a process of its own: so
+    only a trial that ends its process fails, and neither its rivals nor cells that were near.
     """
     with _cluster(workers, scheduler, len(cells)) as client:
         suspects: list[Cell] = []
         yield from _all_at_once(cells, client, suspects)
         for cell in suspects:
             for one in cell.one_by_one():
-                yield from _alone(one, client)
+                yield from _alone(one)
 
 
 @contextmanager
@@ -57,7 +74,7 @@ def _cluster(workers: int | None, scheduler: str | None, cells: int) -> Iterator
     from distributed import Client, LocalCluster  # noqa: PLC0415
 
     if scheduler is None:
-        with dask.config.set(_KEEP_MEMORY), _ignoring_interrupts():
+        with dask.config.set(_LOCAL), _ignoring_interrupts():
             cluster = LocalCluster(
                 n_workers=min(worker_count(workers), cells),
                 threads_per_worker=1,  # the solvers use one core each
@@ -112,10 +129,8 @@ def _code() -> str:
 
 def _all_at_once(cells: Sequence[Cell], client: Any, suspects: list[Cell]) -> Iterator[Outcome]:
     """Hand over all cells, first shapes first; put those whose worker died aside."""
-    from distributed import as_completed  # noqa: PLC0415
-
     truths: dict[int, Any] = {}
-    futures: dict[Any, Cell] = {}
+    waiting: dict[Any, Cell] = {}
     for order, cell in enumerate(cells):
         subject = id(cell.subject)
         if subject not in truths:
@@ -123,34 +138,60 @@ def _all_at_once(cells: Sequence[Cell], client: Any, suspects: list[Cell]) -> It
                 rendered_or_error, cell.subject, cell.settings.size, pure=False, priority=-order
             )
         future = client.submit(measure, truths[subject], _without_subject(cell), pure=False, priority=-order)
-        futures[future] = cell
+        waiting[future] = cell
     truths.clear()  # a rendered shape is forgotten as soon as its last cell is done
-    for future in as_completed(list(futures)):
-        cell = futures.pop(future)
+    for future in _as_they_come(waiting, client):
+        cell = waiting.pop(future)
         if future.status == "finished":
             yield from zip(cell.trials, future.result(), strict=True)
         elif _lost(future):
             suspects.append(cell)
         else:
-            left = len(cell.trials) + sum(len(other.trials) for other in futures.values())
-            raise _ended(future, left)
+            raise _ended(future, len(cell.trials) + sum(len(other.trials) for other in waiting.values()))
+    suspects.extend(waiting.values())
 
 
-def _alone(cell: Cell, client: Any) -> Iterator[Outcome]:
-    """Measure a cell while nothing else runs: whoever loses its worker now did it."""
-    from distributed import wait  # noqa: PLC0415
+def _as_they_come(waiting: dict[Any, Cell], client: Any) -> Iterator[Any]:
+    """Yield futures as they are done; stop if there has been no worker to do them for `NO_WORKER_SECONDS`."""
+    looked = deserted = time.monotonic()
+    while waiting:
+        done = [future for future in waiting if future.done()]
+        yield from done
+        now = time.monotonic()
+        if done:
+            deserted = now
+        elif now - looked > LOOK_SECONDS:
+            looked = now
+            # A worker that dies while it starts is not started again, and its tasks would wait for ever.
+            if _has_workers(client):
+                deserted = now
+            elif now - deserted > NO_WORKER_SECONDS:
+                return
+        time.sleep(POLL_SECONDS)
 
-    truth = client.submit(rendered_or_error, cell.subject, cell.settings.size, pure=False)
-    wait(truth)
-    future = client.submit(measure, truth, _without_subject(cell), pure=False)
-    wait(future)
-    if future.status == "finished":
-        records = future.result()
-    elif _lost(future):
-        records = cell.failed(f"{LOST}it ended each time that this trial ran on it")
-    else:
-        raise _ended(future, len(cell.trials))
+
+def _has_workers(client: Any) -> bool:
+    try:
+        return bool(client.nthreads())
+    except Exception:  # a scheduler that is gone: its futures will say so
+        return True
+
+
+def _alone(cell: Cell) -> Iterator[Outcome]:
+    """Measure a cell in a process of its own on this machine: whoever ends that did it."""
+    import cloudpickle  # noqa: PLC0415
+
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as process:
+        try:
+            records = process.submit(_measure_pickled, cloudpickle.dumps(cell)).result()
+        except BrokenProcessPool:
+            records = cell.failed(f"{LOST}its process ended each time that this trial ran in it")
     yield from zip(cell.trials, records, strict=True)
+
+
+def _measure_pickled(content: bytes) -> list[Record]:
+    cell: Cell = pickle.loads(content)
+    return measure(rendered_or_error(cell.subject, cell.settings.size), cell)
 
 
 def _without_subject(cell: Cell) -> Cell:
