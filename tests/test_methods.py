@@ -110,7 +110,9 @@ def test_a_light_that_is_none_is_refused(egg, light, words):
 
 def test_an_unknown_method_and_a_bare_array_are_refused(egg):
     _, image = egg
-    with pytest.raises(ToonkitError, match="must be one of toonkit, todo, lumo, lambert; got 'best'"):
+    with pytest.raises(
+        ToonkitError, match="must be one of toonkit, classical, todo, lumo, lambert; got 'best'"
+    ):
         analyze(image, LIGHT, method="best")
     with pytest.raises(ToonkitError, match="load_image"):
         analyze(image.color, LIGHT)

@@ -101,10 +101,13 @@ def test_every_data_pattern_of_the_package_matches_a_file() -> None:
 def test_conda_and_pip_install_the_same_packages() -> None:
     conda = yaml.safe_load((ROOT / "environment.yml").read_text())
     from_conda = [line for line in conda["dependencies"] if isinstance(line, str) and line != "pip"]
+    from_conda = [line.replace("pytorch=", "torch=") for line in from_conda]  # conda's name for it
     (from_pip,) = (entry["pip"] for entry in conda["dependencies"] if isinstance(entry, dict))
     assert "-e ." in from_pip
     wanted = ["python" + PROJECT["requires-python"], *PROJECT["dependencies"]]
-    wanted += [line for extra in ("test", "study") for line in PROJECT["optional-dependencies"][extra]]
+    wanted += [
+        line for extra in ("test", "study", "training") for line in PROJECT["optional-dependencies"][extra]
+    ]
     assert requirements([*from_conda, *(line for line in from_pip if line != "-e .")]) == requirements(wanted)
 
 

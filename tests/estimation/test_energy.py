@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from tests.analytic import LIGHT, blob_mask, ellipse
+from toonkit.estimation.creases import crease_links
 from toonkit.estimation.energy import (
     ChangeEnergy,
     PrintedEnergy,
@@ -9,6 +10,7 @@ from toonkit.estimation.energy import (
     integrability_residual,
 )
 from toonkit.numerics.masked_grid import MaskedGrid
+from toonkit.numerics.membrane import Membrane, uniform_links
 
 
 def random_terms(seed: int):
@@ -45,7 +47,8 @@ def test_gradient_of_the_printed_energy(seed):
 @pytest.mark.parametrize("lengths", [(2.0, 0.0), (0.0, 3.0), (1.5, 2.5)])
 def test_gradient_of_the_change_energy(seed, lengths):
     grid, normals, shading, initial, random = random_terms(seed)
-    energy = ChangeEnergy(grid, shading, initial, random.uniform(0, 1, grid.size), *lengths)
+    membrane = Membrane(grid, crease_links(grid, initial, 5.0), random.uniform(0, 1, grid.size))
+    energy = ChangeEnergy(grid, shading, initial, membrane, *lengths)
     assert_slope_matches(energy, normals, random)
 
 
@@ -66,7 +69,8 @@ def test_the_initial_normals_are_the_minimum_where_every_interval_is_wide():
     grid = MaskedGrid(disc.mask)
     normals = disc.normals.vectors[disc.mask]
     wide = ShadingTerm(LIGHT, np.full(grid.size, -1.0), np.ones(grid.size))
-    assert ChangeEnergy(grid, wide, normals, np.ones(grid.size), 3.0, 0.0).value(normals) == 0.0
+    membrane = Membrane(grid, uniform_links(grid), np.ones(grid.size))
+    assert ChangeEnergy(grid, wide, normals, membrane, 3.0, 0.0).value(normals) == 0.0
 
 
 def test_the_normals_of_a_surface_are_integrable_to_second_order():

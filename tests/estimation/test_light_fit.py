@@ -11,7 +11,6 @@ def test_the_light_of_a_softly_shaded_ball_is_found(azimuth, elevation):
     light = light_direction(azimuth, elevation)
     estimate = estimate_light(painted(ball.normals, SOFT, light=light, alpha=ball.coverage))
     angle = np.degrees(np.arccos(np.clip(estimate.light @ light, -1, 1)))
-    # The ramp is linear in sRGB, luminance is not: least squares of a bent curve is a few degrees off.
     assert angle < 12
     assert estimate.confidence > 0.8
 

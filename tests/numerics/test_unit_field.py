@@ -3,9 +3,10 @@ import pytest
 from scipy.optimize import minimize
 
 from tests.analytic import LIGHT, blob_mask
+from toonkit.estimation.creases import crease_links
 from toonkit.estimation.energy import ChangeEnergy, ShadingTerm
 from toonkit.numerics.masked_grid import MaskedGrid
-from toonkit.numerics.membrane import uniform_links
+from toonkit.numerics.membrane import Membrane
 from toonkit.numerics.unit_field import UnitFieldProblem, solve_unit_field
 from toonkit.numerics.unit_field_kernels import best_unit_vector
 
@@ -19,10 +20,12 @@ def random_problem(seed: int, size: int = 16) -> tuple[UnitFieldProblem, ChangeE
     lower = np.clip(start @ LIGHT + random.uniform(-0.4, 0.3, grid.size), -0.9, 0.85)
     upper = lower + 0.1
     ties = random.uniform(0, 1, grid.size) * grid.rim
-    energy = ChangeEnergy(grid, ShadingTerm(LIGHT, lower, upper), start, ties, 0.7, 0.9)
+    links = crease_links(grid, start, 20.0)
+    membrane = Membrane(grid, links, ties)
+    energy = ChangeEnergy(grid, ShadingTerm(LIGHT, lower, upper), start, membrane, 0.7, 0.9)
     problem = UnitFieldProblem(
         grid=grid, start=start, direction=LIGHT, lower=lower, upper=upper, weight=np.ones(grid.size),
-        links=uniform_links(grid), ties=ties, change_weight=0.7**2, integrability_weight=0.9**2,
+        links=links, ties=ties, change_weight=0.7**2, integrability_weight=0.9**2,
     )  # fmt: skip
     return problem, energy
 

@@ -50,6 +50,17 @@ def test_the_digest_of_the_code_follows_the_code_and_not_its_words(tmp_path):
     assert code_digest(copy) != original
 
 
+def test_the_digest_of_the_code_follows_the_learned_weights(tmp_path):
+    copy = tmp_path / "toonkit"
+    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    weights = sorted((copy / "estimation" / "weights").glob("*.npz"))
+    assert [path.stem for path in weights] == ["light_prior", "shape_prior"]
+    for path in weights:
+        before = code_digest(copy)
+        path.write_bytes(path.read_bytes() + b" ")
+        assert code_digest(copy) != before
+
+
 def test_shapes_meshes_views_and_color_maps_are_told_apart():
     seen = [SHAPES["cat"], SHAPES["duck"], MeshShape("a", BALL), MeshShape("a", BALL, View(yaw=5))]
     assert len({subject_digest(subject) for subject in seen}) == len(seen)

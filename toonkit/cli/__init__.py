@@ -20,7 +20,7 @@ from toonkit.cli.study import add_study_commands
 if TYPE_CHECKING:
     from toonkit.analysis import ToonAnalysis
 
-METHOD_NAMES = ("toonkit", "todo", "lumo", "lambert")
+METHOD_NAMES = ("toonkit", "classical", "todo", "lumo", "lambert")
 """The keys of `toonkit.METHODS`, repeated so that the help does not have to import them."""
 
 SAMPLE_PREFIX = "sample:"

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
 from toonkit.numerics.masked_grid import OUTSIDE, RIGHT, UP, MaskedGrid
+from toonkit.numerics.membrane import Membrane
 
 CORNERS = np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
 """(x, y) side of each corner of a 2 x 2 cell: lower left, lower right, upper left, upper right."""
@@ -94,8 +95,9 @@ class ChangeEnergy:
         Intervals of illumination.
     initial : ndarray, shape (P, 3)
         N0, unit vectors.
-    ties : ndarray, shape (P,)
-        Stiffness >= 0 that holds rim pixels to N0, because the silhouette already says their normal.
+    membrane : Membrane
+        Links that keep the change smooth, and ties that hold rim pixels to N0, because the silhouette already says their
+        normal.
     change_length, integrability_length : float
         Lengths in pixels over which the change is smooth and the field integrable, where the intervals pull.
 
@@ -103,9 +105,10 @@ class ChangeEnergy:
     -----
     With l the change length and m the integrability length, in pixels,
 
-        E(N) = sum P(L · N) + l² (sum over neighbors |d_p - d_q|² + sum t_p |d_p|²) + m² sum r_p²,   d = N - N0,
+        E(N) = sum P(L · N) + l² (sum over neighbors k_pq |d_p - d_q|² + sum t_p |d_p|²) + m² sum r_p²,   d = N - N0,
 
-    where r = n3 ∂y n1 - n1 ∂y n3 - n3 ∂x n2 + n2 ∂x n3 vanishes for the unit normals of a surface: it is n3² times
+    with the stiffness k of links (one, or less across a crease) and t of ties, and where
+    r = n3 ∂y n1 - n1 ∂y n3 - n3 ∂x n2 + n2 ∂x n3 vanishes for the unit normals of a surface: it is n3² times
     ∂y(n1 / n3) - ∂x(n2 / n3), without the division. It is taken at the middle of each cell of 2 x 2 pixels, where means and
     differences are both of second order, and is linear in each of the four normals.
 
@@ -116,15 +119,14 @@ class ChangeEnergy:
     grid: MaskedGrid
     shading: ShadingTerm
     initial: FloatArray
-    ties: FloatArray
+    membrane: Membrane
     change_length: float
     integrability_length: float
 
     def value(self, normals: FloatArray) -> float:
         """Energy of normals (P, 3)."""
         change = normals - self.initial
-        membrane = sum(float(np.sum(self.grid.differences(part) ** 2)) for part in change.T)
-        membrane += float(np.sum(self.ties[:, None] * change**2))
+        membrane = float(np.sum(change * self.membrane.apply(change)))
         curl = float(np.sum(integrability_residual(self.grid, normals) ** 2))
         return (
             self.shading.value(normals)
@@ -135,7 +137,7 @@ class ChangeEnergy:
     def gradient(self, normals: FloatArray) -> FloatArray:
         """Gradient with respect to the normals, shape (P, 3), before any unit-length constraint."""
         change = normals - self.initial
-        membrane = self.ties[:, None] * change - self.grid.laplacian(change)
+        membrane = self.membrane.apply(change)
         curl = _integrability_gradient(self.grid, normals)
         return (
             self.shading.gradient(normals)

@@ -1,4 +1,4 @@
-"""The light, when nobody gives it (Section 3.2): a simple estimate from the inflated shape."""
+"""The light, when nobody gives it (Section 3.2, and the first item of the paper's future work)."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toonkit._validation import FloatArray, as_light, of_type, same_mask
+from toonkit._validation import FloatArray, of_type, same_mask
 from toonkit.estimation.inflation import inflate
+from toonkit.estimation.light_prior import believed_light
 from toonkit.model.image import ToonImage
 from toonkit.model.light import light_direction
 from toonkit.model.luminance import luminance
@@ -15,6 +16,14 @@ from toonkit.model.normals import NormalField
 
 LOWEST_ELEVATION = 5.0
 """Degrees. Painted light grazing the image plane or from behind it is a fit to noise, not a light."""
+
+CLOSE = 10.0
+"""Degrees within which an estimate counts as good: at 10 degrees relit bands shift by a tenth of the illumination."""
+
+
+PLAUSIBLE = 0.3
+"""Share of the luminance's variance that a light explains on the inflated shape, below which confidence falls to zero with
+it: such a picture is shaded in a way that the network has never seen, and its belief is worth little."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +36,7 @@ class LightEstimate:
     light : ndarray, shape (3,)
         Unit vector from the surface to the light.
     confidence : float
-        Share of the luminance's variance that this light explains on the inflated shape, 0 to 1.
+        Probability, as the estimator believes, that the true light is within 10 degrees of it; 0 to 1.
     """
 
     light: FloatArray
@@ -48,8 +57,8 @@ def estimate_light(image: ToonImage, *, initial_normals: NormalField | None = No
     Returns
     -------
     LightEstimate
-        The light and how much of the shading it explains. A picture of one single color says nothing: its light stands at
-        the viewer with confidence 0.
+        The light, at least 5 degrees above the image plane, and how sure it is. A picture of one single color says
+        nothing: its light stands at the viewer with confidence 0.
 
     Raises
     ------
@@ -58,29 +67,23 @@ def estimate_light(image: ToonImage, *, initial_normals: NormalField | None = No
 
     Notes
     -----
-    Least squares of luminance = a · N0 + b over the object; the light is the direction of a. N0 is least certain in the
-    middle of wide areas, so the azimuth is better known than the elevation.
+    A network trained on shapes and color maps of its own sees mask, N0 and tones and answers with a distribution of
+    directions; see `toonkit.estimation.light_prior`. Its belief counts in full where the light explains the shading of the
+    inflated shape as a light should, and for nothing where the shading runs against it.
     """
     of_type("image", image, ToonImage)
-    if initial_normals is None:
-        normals = inflate(image.mask, alpha=image.alpha)
-    else:
+    if initial_normals is not None:
         same_mask("initial_normals", initial_normals.mask, image.mask, "the picture")
-        normals = initial_normals
-    vectors = normals.vectors[image.mask]
     shades = luminance(image.color[image.mask])
-    spread = float(np.var(shades))
-    if spread < 1e-10:
+    if float(np.var(shades)) < 1e-10:
         return LightEstimate(light_direction(0.0, 90.0), 0.0)
-    columns = np.column_stack([vectors, np.ones(len(vectors))])
-    solution = np.linalg.lstsq(columns, shades, rcond=None)[0]
-    sideways = float(np.hypot(solution[0], solution[1]))
-    floor = sideways * np.tan(np.deg2rad(LOWEST_ELEVATION))
-    direction = np.array([solution[0], solution[1], max(solution[2], floor)])
-    if np.linalg.norm(direction) < 1e-12:
-        return LightEstimate(light_direction(0.0, 90.0), 0.0)
-    light = as_light("light", direction)
-    return LightEstimate(light, _explained_share(vectors @ light, shades))
+    normals = inflate(image.mask, alpha=image.alpha) if initial_normals is None else initial_normals
+    belief = believed_light(image, normals)
+    azimuth = np.rad2deg(np.arctan2(belief.light[1], belief.light[0]))
+    elevation = np.rad2deg(np.arcsin(np.clip(belief.light[2], -1.0, 1.0)))
+    light = light_direction(float(azimuth), float(max(elevation, LOWEST_ELEVATION)))
+    share = _explained_share(normals.vectors[image.mask] @ light, shades)
+    return LightEstimate(light, belief.probability_within(CLOSE) * min(share / PLAUSIBLE, 1.0))
 
 
 def _explained_share(illumination: FloatArray, shades: FloatArray) -> float:

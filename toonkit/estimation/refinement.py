@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from toonkit._validation import FloatArray, as_coverage, as_light, is_number, of_type, refuse, same_shape
+from toonkit.estimation.creases import crease_links
 from toonkit.estimation.energy import ChangeEnergy, PrintedEnergy, ShadingTerm
 from toonkit.estimation.silhouette import trace_silhouette
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.normals import NormalField
 from toonkit.numerics.gauss_seidel import over_relaxed_sweeps
 from toonkit.numerics.masked_grid import MaskedGrid, block_sums
-from toonkit.numerics.membrane import uniform_links
+from toonkit.numerics.membrane import Membrane
 from toonkit.numerics.report import SolverReport
 from toonkit.numerics.unit_field import UnitFieldProblem, solve_unit_field
 
@@ -23,6 +24,9 @@ Progress = Callable[[float], None]
 
 MARGIN_SHARE = 0.25
 """Largest share of an interval, on either side, that the margin takes."""
+
+MARGIN_PER_EXCESS = 2.0
+"""Largest margin, as a multiple of the root mean square by which the start misses its intervals."""
 
 
 @dataclass(frozen=True)
@@ -33,13 +37,17 @@ class RefinementOptions:
     Attributes
     ----------
     margin : float
-        How far inside its interval a pixel is asked to be, in illumination; never more than a quarter of the interval.
+        How far inside its interval a pixel is asked to be, in illumination; never more than a quarter of the interval, or
+        than twice what the start misses its intervals by, root mean square.
         Without it every pixel that its interval moved would end exactly on a bound, and the smallest turn of the light
         would flip its color: old band edges would show in the relit picture.
     change_length : float
         Over what length the change of the normals is smooth, in units of sqrt(object area).
     integrability_length : float
         Over what length the field is integrable, in the same units.
+    crease_turn : float
+        How much the initial normals turn, in radians per sqrt(object area), where their change is held together half as
+        firmly: the edges of a cube stay edges.
     rim_hold : float
         How firmly the silhouette's normals hold, 0 (free) to 1 (as firmly as neighbors hold each other).
     sweeps : int
@@ -47,8 +55,9 @@ class RefinementOptions:
     """
 
     margin: float = 0.05
-    change_length: float = 0.002
+    change_length: float = 0.004
     integrability_length: float = 0.01
+    crease_turn: float = 10.0
     rim_hold: float = 1.0
     sweeps: int = 50
 
@@ -57,6 +66,8 @@ class RefinementOptions:
             value = getattr(self, name)
             if not is_number(value) or value < 0:
                 raise refuse(name, "must be a number >= 0", value)
+        if not is_number(self.crease_turn) or self.crease_turn <= 0:
+            raise refuse("crease_turn", "must be a number > 0", self.crease_turn)
         if self.sweeps < 1:
             raise refuse("sweeps", "must be at least 1", self.sweeps)
 
@@ -132,8 +143,9 @@ def refine(
     coverage = grid.mask.astype(np.float64) if alpha is None else as_coverage("alpha", alpha, shape)
     silhouette = trace_silhouette(grid, coverage)
     ties = options.rim_hold * block_sums(silhouette.pixels, 1.0 / silhouette.distances, grid.size)
+    membrane = Membrane(grid, crease_links(grid, start, options.crease_turn), ties)
     energy = ChangeEnergy(
-        grid, shading, start, ties, options.change_length * size, options.integrability_length * size
+        grid, shading, start, membrane, options.change_length * size, options.integrability_length * size
     )
     problem = UnitFieldProblem(
         grid=grid,
@@ -142,8 +154,8 @@ def refine(
         lower=shading.lower,
         upper=shading.upper,
         weight=np.ones(grid.size),
-        links=uniform_links(grid),
-        ties=ties,
+        links=membrane.links,
+        ties=membrane.ties,
         change_weight=energy.change_length**2,
         integrability_weight=energy.integrability_length**2,
     )
@@ -216,7 +228,12 @@ def refine_as_printed(
 
 
 def _with_margin(shading: ShadingTerm, start: FloatArray, margin: float) -> ShadingTerm:
-    """Move the bounds inward, but for -1 and 1: those end the darkest and the brightest color, and are no band edges."""
+    """
+    Move the bounds inward, but for -1 and 1: those end the darkest and the brightest color, and are no band edges.
+
+    The margin is for pixels that have to move: a start that explains the picture already is to stay as it is.
+    """
+    margin = min(margin, MARGIN_PER_EXCESS * float(np.sqrt(np.mean(shading.excess(start) ** 2))))
     occurring = start @ shading.light
     width = np.minimum(shading.upper, occurring.max()) - np.maximum(shading.lower, occurring.min())
     inward = np.minimum(margin, MARGIN_SHARE * np.maximum(width, 0.0))

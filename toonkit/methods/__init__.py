@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from toonkit._validation import of_type, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.light_fit import estimate_light
+from toonkit.methods.classical import classical
 from toonkit.methods.lambert import lambert
 from toonkit.methods.lumo import lumo
 from toonkit.methods.steps import StepProgress
@@ -27,7 +28,13 @@ class Method(Protocol):
         ...
 
 
-METHODS: dict[str, Method] = {"toonkit": toonkit, "todo": todo, "lumo": lumo, "lambert": lambert}
+METHODS: dict[str, Method] = {
+    "toonkit": toonkit,
+    "classical": classical,
+    "todo": todo,
+    "lumo": lumo,
+    "lambert": lambert,
+}
 """Name -> estimator. Adding one is `METHODS["name"] = function`."""
 
 

@@ -51,11 +51,12 @@ class Inflated:
         """I0 = L · N0, shape (H, W)."""
         return illumination(self.initial_normals, self.light)
 
-    def fitted_interval(self) -> IlluminationInterval:
-        """Fit the color map to the initial illumination (Section 3.2); return what it allows each pixel."""
+    def fitted_interval(self, normals: NormalField | None = None) -> IlluminationInterval:
+        """Fit the color map to N0, or to better normals (Section 3.2); return the illumination it allows each pixel."""
         if self.progress is not None:
             self.progress("fitting the color map", INFLATED)
-        return illumination_interval(self.image, fit_color_map(self.image, self.initial_illumination))
+        lit = self.initial_illumination if normals is None else illumination(normals, self.light)
+        return illumination_interval(self.image, fit_color_map(self.image, lit))
 
     def refining(self, fraction: float) -> None:
         """Report how far the refinement is, 0 to 1."""

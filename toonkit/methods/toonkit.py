@@ -1,4 +1,4 @@
-"""Our method, the default: the paper's steps with a smooth change of the normals and an integrable result."""
+"""Our method, the default: `classical`, started from a shape that was learned."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ from numpy.typing import ArrayLike
 
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.refinement import refine
+from toonkit.estimation.shape_prior import correct_shape
 from toonkit.methods.steps import StepProgress, inflated
 from toonkit.model.image import ToonImage
 
 
 def toonkit(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = None) -> ToonAnalysis:
     """
-    Analyze a picture: inflate, fit the color map, refine the change of the normals coarse to fine.
+    Analyze a picture: inflate, correct the shape as learned, fit the color map, refine the change coarse to fine.
 
     Parameters
     ----------
@@ -35,15 +36,12 @@ def toonkit(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None
 
     Notes
     -----
-    Where the paper smooths the normals (Eq. 5), which pulls a round shape flat, this smooths their change from N0, and adds
-    the integrability that normals of a surface have; see `toonkit.estimation.energy.ChangeEnergy`.
+    The network of `toonkit.estimation.shape_prior` brings the shape, the energy of `toonkit.estimation.energy` brings the
+    picture back: neither does as well alone.
     """
     steps = inflated(image, light, progress)
+    corrected = correct_shape(image, steps.light, steps.initial_normals)
     refinement = refine(
-        steps.initial_normals,
-        steps.light,
-        steps.fitted_interval(),
-        alpha=image.alpha,
-        progress=steps.refining,
+        corrected, steps.light, steps.fitted_interval(corrected), alpha=image.alpha, progress=steps.refining
     )
     return steps.finished("toonkit", refinement)

@@ -2,7 +2,7 @@
 
 Minimizes, over unit vectors with z >= 0 on a masked grid,
 
-    sum w_p P(L · n_p) + l² (sum over links |d_p - d_q|² + sum t_p |d_p|²) + m² sum r_p²,      d = n - n0,
+    sum w_p P(L · n_p) + l² (sum over links k_pq |d_p - d_q|² + sum t_p |d_p|²) + m² sum r_p²,      d = n - n0,
 
 where P is the squared distance of L · n to an interval and r the integrability residual of a unit field.
 """
@@ -16,7 +16,7 @@ import numpy as np
 
 from toonkit._validation import FloatArray
 from toonkit.numerics.masked_grid import IndexArray, MaskedGrid, block_sums
-from toonkit.numerics.membrane import COARSE_STIFFNESS, uniform_links
+from toonkit.numerics.membrane import Membrane
 from toonkit.numerics.report import SolverReport
 from toonkit.numerics.unit_field_kernels import sweep_unit_field
 
@@ -41,7 +41,7 @@ class UnitFieldProblem:
     weight : ndarray, shape (P,)
         Weight w of the interval penalty.
     links : ndarray, shape (P, 4)
-        Stiffness of the link to each neighbor.
+        Stiffness k of the link to each neighbor, the same seen from both ends.
     ties : ndarray, shape (P,)
         Stiffness t that holds a pixel to n0.
     change_weight, integrability_weight : float
@@ -61,7 +61,8 @@ class UnitFieldProblem:
 
     def coarsened(self) -> tuple[UnitFieldProblem, IndexArray]:
         """Return the same problem on 2 x 2 blocks, and the block of each pixel."""
-        grid, parent = self.grid.coarsened()
+        membrane, parent = Membrane(self.grid, self.links, self.ties).coarsened()
+        grid = membrane.grid
         weight = block_sums(parent, self.weight, grid.size)
 
         def mean(values: FloatArray) -> FloatArray:
@@ -75,8 +76,8 @@ class UnitFieldProblem:
             lower=mean(self.lower),
             upper=mean(self.upper),
             weight=weight,
-            links=uniform_links(grid),
-            ties=COARSE_STIFFNESS * block_sums(parent, self.ties, grid.size),
+            links=membrane.links,
+            ties=membrane.ties,
         ), parent
 
 

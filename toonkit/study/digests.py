@@ -22,23 +22,25 @@ from toonkit.study.subjects import Subject
 PACKAGE = Path(toonkit.__file__).parent
 
 MEASURED_BY = (
-    "_validation.py", "analysis.py", "metrics.py", "relighting.py", "model", "numerics", "estimation", "methods/steps.py",
+    "_validation.py", "analysis.py", "metrics.py", "relighting.py", "model", "numerics", "methods/steps.py",
+    "estimation", "estimation/weights",
     *(f"study/{name}" for name in ("contestants.py", "registry.py", "rendering.py", "subjects.py", "trials.py")),
     *(f"study/solids/{name}" for name in ("mesh_rays.py", "sphere_tracing.py")),
 )  # fmt: skip
-"""The modules that every trial depends on, in `toonkit/`; methods, shapes and color maps have digests of their own."""
+"""Modules, and learned weights, that every trial depends on, in `toonkit/`; methods and subjects have digests of their own."""
 
 _PROBES = np.random.default_rng(0).uniform(-BOUND, BOUND, (4096, 3))
 _PLAIN = (type(None), bool, int, float, complex, str, bytes)
 
 
 def code_digest(package: Path = PACKAGE) -> str:
-    """Return a digest of the code that measures: comments, docstrings and layout do not count."""
+    """Return a digest of the code that measures, learned weights included: comments, docstrings, layout do not count."""
     digest = hashlib.sha256()
     for name in MEASURED_BY:
         path = package / name
-        for file in sorted(path.glob("*.py")) if path.is_dir() else [path]:
-            digest.update(f"{file.relative_to(package)}\n{_bare(file)}".encode())
+        for file in sorted([*path.glob("*.py"), *path.glob("*.npz")]) if path.is_dir() else [path]:
+            content = file.read_bytes() if file.suffix == ".npz" else _bare(file).encode()
+            digest.update(f"{file.relative_to(package)}\n".encode() + content)
     return digest.hexdigest()
 
 

@@ -19,7 +19,8 @@ TIE = 1e-9
 """Two values closer than this are a tie: they come from the same result, rounded."""
 
 PAIRS = (
-    *(("toonkit", other) for other in ("todo", "lumo", "lambert", "flat")),
+    *(("toonkit", other) for other in ("classical", "todo", "lumo", "lambert", "flat")),
+    ("classical", "todo"),
     *(("todo", other) for other in ("lumo", "lambert")),
 )
 """Method and what it is compared with, of the methods that come with toonkit."""

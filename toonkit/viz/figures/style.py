@@ -25,6 +25,7 @@ PAD = 0.025
 
 METHOD_COLORS: dict[str, str] = {
     "toonkit": "#0072b2",
+    "classical": "#009e73",
     "todo": "#d55e00",
     "lumo": "#56b4e9",
     "lambert": "#882255",
@@ -35,6 +36,7 @@ METHOD_COLORS: dict[str, str] = {
 METHOD_LABELS: dict[str, str] = {
     "truth": "Ground truth",
     "toonkit": "toonkit",
+    "classical": "classical",
     "todo": "Todo & Yamaguchi",
     "lumo": "Lumo",
     "lambert": "Lambert",

@@ -22,7 +22,8 @@ from toonkit.model.normals import encode_normal_map
 from toonkit.samples import sample_light, sample_path
 
 METHOD_DESCRIPTIONS = {
-    "toonkit": ("toonkit", "Recommended: smooth shape, faithful colors"),
+    "toonkit": ("toonkit", "Recommended: knows shapes, keeps the colors"),
+    "classical": ("classical", "The same without what it has learned"),
     "todo": ("Todo et al.", "The published method, step by step"),
     "lumo": ("Lumo", "Puffs up the outline, ignores the shading"),
     "lambert": ("Lambert", "Reads the tones as plain, even shading"),

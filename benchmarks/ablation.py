@@ -1,0 +1,163 @@
+"""What each part of our method buys: the whole, the whole with one part less, and the steps on the way to it.
+
+    python benchmarks/ablation.py -o notebooks/study/ablation.csv
+
+Runs every variant on the study's twenty shapes, each painted with six color maps of different kinds, at 256² and with the
+light given. Writes one row per variant, shape and color map, and prints the means.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import functools
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+from tqdm import tqdm
+
+from toonkit import METHODS, ToonAnalysis
+from toonkit.estimation.color_map_fit import illumination_interval
+from toonkit.estimation.refinement import Refinement, RefinementOptions, refine
+from toonkit.estimation.shape_prior import LOOKS, correct_shape
+from toonkit.methods import Method
+from toonkit.methods.steps import inflated
+from toonkit.model.color_map import ColorMap
+from toonkit.numerics.report import NOT_REFINED
+from toonkit.study.color_maps import load_color_maps
+from toonkit.study.contestants import Contestant
+from toonkit.study.rendering import render_shape
+from toonkit.study.shapes import SHAPES
+from toonkit.study.trials import Painting, StudySettings, Trial, paint, run_trial
+
+COLOR_MAP_NAMES = ("plum_cream", "terracotta", "ocean", "night_lamp", "lilac_soft", "clay_smooth")
+"""Two, three and five hard tones, uneven ones, soft ones, and one that is nearly Lambert."""
+
+MEASURES = ("angular_error", "relight_rmse", "input_rmse", "seconds")
+COLUMNS = ("variant", "shape", "shape_kind", "color_map", "size", *MEASURES)
+
+Row = dict[str, str | float]
+
+
+def variants(true_color_map: ColorMap) -> dict[str, Method]:
+    """Name -> method, from the paper's to ours; the last one is told what no method can know."""
+    return {
+        "todo": METHODS["todo"],
+        "classical": METHODS["classical"],
+        "learned shape alone": functools.partial(varied, refined=False),
+        "toonkit": METHODS["toonkit"],
+        "toonkit, one look": functools.partial(varied, looks=1),
+        "toonkit without integrability": functools.partial(
+            varied, options=RefinementOptions(integrability_length=0.0)
+        ),
+        "toonkit without creases": functools.partial(varied, options=RefinementOptions(crease_turn=1e9)),
+        "toonkit without margin": functools.partial(varied, options=RefinementOptions(margin=0.0)),
+        "toonkit with the true color map": functools.partial(varied, color_map=true_color_map),
+    }
+
+
+def varied(
+    image,
+    light,
+    *,
+    progress=None,
+    looks: int = LOOKS,
+    refined: bool = True,
+    options: RefinementOptions | None = None,
+    color_map: ColorMap | None = None,
+) -> ToonAnalysis:
+    """Analyze as `toonkit` does, but for what is asked for; a given color map is the one refined by and relit with."""
+    steps = inflated(image, light, progress)
+    corrected = correct_shape(image, steps.light, steps.initial_normals, looks=looks)
+    if not refined:
+        return steps.finished("varied", Refinement(corrected, NOT_REFINED))
+    if color_map is None:
+        interval = steps.fitted_interval(corrected)
+    else:
+        interval = illumination_interval(image, color_map)
+    refinement = refine(
+        corrected, steps.light, interval, alpha=image.alpha, options=options, progress=steps.refining
+    )
+    analysis = steps.finished("varied", refinement)
+    return analysis if color_map is None else replace(analysis, color_map=color_map)
+
+
+def measured(shape: str, color_maps: Sequence[str], settings: StudySettings) -> list[Row]:
+    """Run all variants on one shape, painted with each of the color maps."""
+    truth = render_shape(SHAPES[shape], settings.size)
+    paintings = {name: paint(truth, load_color_maps()[name], settings) for name in color_maps}
+    return [
+        _row(variant, Trial(shape, name, variant, "given"), painting, method)
+        for name, painting in paintings.items()
+        for variant, method in variants(painting.color_map).items()
+    ]
+
+
+def _row(variant: str, trial: Trial, painting: Painting, method: Method) -> Row:
+    record = run_trial(trial, SHAPES[trial.shape].kind, painting, Contestant(method))
+    if record.error:
+        raise RuntimeError(f"{trial.key}: {record.error}")
+    return {"variant": variant, **{name: getattr(record, name) for name in COLUMNS[1:]}}
+
+
+def all_measured(
+    shapes: Sequence[str], color_maps: Sequence[str], settings: StudySettings, *, workers: int
+) -> Iterator[list[Row]]:
+    """Yield the rows of shape after shape, in order; measured in this process if there are no workers."""
+    work = functools.partial(measured, color_maps=color_maps, settings=settings)
+    if workers == 0:
+        yield from map(work, shapes)
+        return
+    for library in ("OMP", "OPENBLAS", "MKL"):
+        os.environ.setdefault(
+            f"{library}_NUM_THREADS", "1"
+        )  # one core each: workers would wait for each other
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        yield from pool.map(work, shapes)
+
+
+def means(rows: Sequence[Row]) -> str:
+    """One line per variant, as a Markdown table."""
+    lines = ["| variant | " + " | ".join(MEASURES) + " |", "|---" * (1 + len(MEASURES)) + "|"]
+    for variant in dict.fromkeys(row["variant"] for row in rows):
+        own = [row for row in rows if row["variant"] == variant]
+        cells = [f"{np.mean([float(row[name]) for row in own]):.4g}" for name in MEASURES]
+        lines.append(f"| {variant} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description="What each part of our method buys.")
+    parser.add_argument("-o", "--output", type=Path, metavar="CSV", help="write one row per trial")
+    parser.add_argument("--size", type=int, default=256, help="side of the pictures (default: 256)")
+    parser.add_argument("--shapes", nargs="+", default=list(SHAPES), choices=list(SHAPES), metavar="SHAPE")
+    parser.add_argument(
+        "--maps",
+        nargs="+",
+        default=list(COLOR_MAP_NAMES),
+        choices=list(load_color_maps()),
+        metavar="COLOR_MAP",
+    )
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes (default: cores)")
+    given = parser.parse_args(arguments)
+    found = all_measured(given.shapes, given.maps, StudySettings(size=given.size), workers=given.workers)
+    rows = [row for of in tqdm(found, total=len(given.shapes), file=sys.stderr, unit="shape") for row in of]
+    print(means(rows))
+    if given.output is not None:
+        with given.output.open("w", newline="") as file:
+            writer = csv.DictWriter(file, fieldnames=COLUMNS)
+            writer.writeheader()
+            writer.writerows(
+                {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()}
+                for row in rows
+            )
+
+
+if __name__ == "__main__":
+    main()

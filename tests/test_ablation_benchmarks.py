@@ -1,0 +1,195 @@
+"""The benchmarks of parts and of lights measure what they say, and write a row for each trial."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import toonkit
+from benchmarks import ablation, lights
+from toonkit.estimation.light_fit import LightEstimate
+from toonkit.estimation.refinement import RefinementOptions
+from toonkit.estimation.shape_prior import correct_shape
+from toonkit.study.color_maps import load_color_maps
+from toonkit.study.rendering import render_shape
+from toonkit.study.shapes import SHAPES
+from toonkit.study.trials import Painting, StudySettings, paint
+
+STUDY = Path(__file__).parent.parent / "notebooks" / "study"
+SMALL = StudySettings(size=48)
+NOT_TIMED = [name for name in ablation.COLUMNS if name != "seconds"]
+
+
+@pytest.fixture(scope="module")
+def painting() -> Painting:
+    return paint(render_shape(SHAPES["pear"], 64), load_color_maps()["terracotta"], StudySettings(size=64))
+
+
+def vectors(analysis) -> np.ndarray:
+    return analysis.normals.vectors[analysis.image.mask]
+
+
+def test_a_variant_from_which_nothing_is_taken_is_toonkit(painting):
+    ours = toonkit.METHODS["toonkit"](painting.image, painting.light)
+    same = ablation.varied(painting.image, painting.light)
+    assert np.array_equal(vectors(same), vectors(ours))
+    assert np.array_equal(same.color_map.colors, ours.color_map.colors)
+
+
+def test_the_learned_shape_alone_is_what_the_network_answers(painting):
+    alone = ablation.varied(painting.image, painting.light, refined=False)
+    answer = correct_shape(
+        painting.image, painting.light, toonkit.inflate(painting.image.mask, alpha=painting.image.alpha)
+    )
+    assert np.array_equal(vectors(alone), answer.vectors[painting.image.mask])
+
+
+def test_every_variant_differs_from_every_other(painting):
+    found = {
+        name: vectors(method(painting.image, painting.light))
+        for name, method in ablation.variants(painting.color_map).items()
+    }
+    names = list(found)
+    alike = [
+        (one, other)
+        for place, one in enumerate(names)
+        for other in names[:place]
+        if np.allclose(found[one], found[other], atol=1e-6)
+    ]
+    assert alike == []
+
+
+def test_the_oracle_refines_into_the_true_intervals_and_relights_with_the_true_color_map(painting):
+    told = ablation.varied(
+        painting.image,
+        painting.light,
+        options=RefinementOptions(margin=0.0),
+        color_map=painting.color_map,
+    )
+    assert told.color_map is painting.color_map
+    guessed = ablation.varied(painting.image, painting.light, options=RefinementOptions(margin=0.0))
+    true = toonkit.illumination_interval(painting.image, painting.color_map)
+
+    def outside(analysis) -> float:
+        lit = analysis.illumination[painting.image.mask]
+        lower, upper = true.lower[painting.image.mask], true.upper[painting.image.mask]
+        return float(np.maximum(np.maximum(lower - lit, lit - upper), 0.0).mean())
+
+    assert outside(told) < 0.2 * outside(guessed)
+
+
+def test_the_command_writes_a_row_for_each_variant_shape_and_color_map(tmp_path, capsys):
+    target = tmp_path / "ablation.csv"
+    ablation.main(
+        ["--size", "48", "--shapes", "torus", "pear", "--maps", "ocean", "--workers", "0", "-o", str(target)]
+    )
+    table = pd.read_csv(target)
+    assert list(table.columns) == list(ablation.COLUMNS)
+    names = list(ablation.variants(load_color_maps()["ocean"]))
+    assert table["variant"].tolist() == names * 2
+    assert table["shape"].tolist() == ["torus"] * len(names) + ["pear"] * len(names)
+    assert set(table["size"]) == {48}
+    assert np.isfinite(table[list(ablation.MEASURES)]).all(axis=None)
+    printed = capsys.readouterr().out
+    mean = table.loc[table["variant"] == "todo", "angular_error"].mean()
+    assert f"| todo | {mean:.4g} |" in printed
+
+
+def test_workers_measure_the_same(monkeypatch):
+    for library in ("OMP", "OPENBLAS", "MKL"):
+        monkeypatch.setenv(f"{library}_NUM_THREADS", "1")  # which the benchmark would leave behind
+    here, there = (
+        pd.DataFrame(
+            [row for of in ablation.all_measured(["torus"], ["ocean"], SMALL, workers=workers) for row in of]
+        )
+        for workers in (0, 1)
+    )
+    pd.testing.assert_frame_equal(here[NOT_TIMED], there[NOT_TIMED], rtol=1e-4)
+
+
+def test_a_trial_that_fails_ends_the_benchmark_by_name(monkeypatch):
+    def broken(image, light, *, progress=None):
+        raise ValueError("no shape in sight")
+
+    monkeypatch.setitem(toonkit.METHODS, "todo", broken)
+    with pytest.raises(RuntimeError, match="torus--ocean--todo--given: ValueError: no shape in sight"):
+        ablation.measured("torus", ["ocean"], SMALL)
+
+
+def test_the_lights_stand_all_around_and_three_at_each_elevation():
+    azimuths, elevations = np.transpose(lights.LIGHTS)
+    assert np.diff(np.sort(azimuths)) == pytest.approx(np.full(8, 40.0))
+    assert {float(height): (elevations == height).sum() for height in lights.ELEVATIONS} == {
+        20.0: 3,
+        47.5: 3,
+        75.0: 3,
+    }
+
+
+def toward_the_viewer(image, *, initial_normals) -> LightEstimate:
+    assert initial_normals.mask is image.mask or np.array_equal(initial_normals.mask, image.mask)
+    return LightEstimate(toonkit.light_direction(0, 90), 0.25)
+
+
+def test_the_error_of_a_light_is_the_angle_to_the_true_one(monkeypatch):
+    monkeypatch.setattr(lights, "estimate_light", toward_the_viewer)
+    table = pd.DataFrame(lights.measured("pear", ["ocean"], 48))
+    assert table["error"].tolist() == pytest.approx((90.0 - table["elevation"]).tolist())
+    assert table["estimated_elevation"].tolist() == pytest.approx([90.0] * 9)
+    assert set(table["confidence"]) == {0.25}
+
+
+def test_the_command_writes_a_row_for_each_picture(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(lights, "estimate_light", toward_the_viewer)
+    target = tmp_path / "lights.csv"
+    lights.main(
+        [
+            "--size",
+            "48",
+            "--shapes",
+            "torus",
+            "pear",
+            "--maps",
+            "ocean",
+            "candy",
+            "--workers",
+            "0",
+            "-o",
+            str(target),
+        ]
+    )
+    table = pd.read_csv(target)
+    assert list(table.columns) == list(lights.COLUMNS)
+    assert len(table) == 2 * 2 * len(lights.LIGHTS)
+    assert not table.duplicated(["shape", "color_map", "azimuth", "elevation"]).any()
+    printed = capsys.readouterr().out
+    assert all(row in printed for row in ("all pictures", "the surer half", "the rest", "elevation 47.5°"))
+
+
+@pytest.mark.parametrize("command", [ablation.main, lights.main])
+def test_an_unknown_shape_is_refused_before_any_work(command, capsys):
+    with pytest.raises(SystemExit):
+        command(["--shapes", "unicorn"])
+    assert "unicorn" in capsys.readouterr().err
+
+
+def test_the_committed_table_has_every_variant_on_the_same_pictures():
+    table = pd.read_csv(STUDY / "ablation.csv")
+    assert list(table.columns) == list(ablation.COLUMNS)
+    assert list(dict.fromkeys(table["variant"])) == list(ablation.variants(load_color_maps()["ocean"]))
+    pictures = table.groupby("variant")[["shape", "color_map"]].apply(
+        lambda of: sorted(map(tuple, of.to_numpy()))
+    )
+    assert all(of == pictures.iloc[0] for of in pictures)
+
+
+def test_the_committed_lights_are_those_of_the_benchmark():
+    table = pd.read_csv(STUDY / "lights.csv")
+    assert list(table.columns) == list(lights.COLUMNS)
+    asked = table.groupby(["shape", "color_map"])[["azimuth", "elevation"]].apply(
+        lambda of: [tuple(row) for row in of.to_numpy()]
+    )
+    assert all(of == list(lights.LIGHTS) for of in asked)

@@ -1,0 +1,229 @@
+"""`python -m toonkit.training`: from nothing to weights, again from where it was stopped, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+import signal
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from toonkit.estimation import convolution, light_prior, shape_prior
+from toonkit.estimation.working_square import SIZE
+from toonkit.training import __main__ as command
+from toonkit.training import dataset
+from toonkit.training.train import Training
+
+pytestmark = pytest.mark.usefixtures("narrow", "one_thread")
+
+KINDS = pytest.mark.parametrize("kind", ["shape", "light"])
+
+
+@pytest.fixture(autouse=True)
+def small(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Six shapes in three files, made by threads: a process of its own would not know how small they are."""
+    monkeypatch.setattr(dataset, "SHARD", 2)
+    monkeypatch.setattr(dataset, "ProcessPoolExecutor", lambda workers, **_: ThreadPoolExecutor(workers))
+    monkeypatch.setattr(command, "KEPT_ASIDE", 2)
+    monkeypatch.setattr(command, "CHECKED_EVERY", 2)
+    monkeypatch.setattr(command, "FIGURE_DRAWINGS", 4)
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
+    yield
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
+
+
+@pytest.fixture(scope="module")
+def shapes(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder in which all tests of this file find the shapes they train on."""
+    return tmp_path_factory.mktemp("shapes")
+
+
+@pytest.fixture
+def output(tmp_path: Path, shapes: Path) -> Path:
+    (tmp_path / "shapes").symlink_to(shapes, target_is_directory=True)
+    return tmp_path
+
+
+def run(kind: str, output: Path, **options: object) -> int:
+    given: dict[str, object] = {"shapes": 6, "steps": 5, "batch": 4, "workers": 1} | options
+    words = [word for name, value in given.items() for word in (f"--{name.replace('_', '-')}", str(value))]
+    return command.main([kind, "-o", str(output), *words])
+
+
+def weights_in(output: Path, kind: str) -> dict[str, np.ndarray]:
+    with np.load(output / f"{kind}_prior.npz") as stored:
+        return {name: stored[name] for name in stored.files}
+
+
+def differing(first: dict[str, np.ndarray], second: dict[str, np.ndarray]) -> list[str]:
+    assert first.keys() == second.keys()
+    return [name for name in first if not np.array_equal(first[name], second[name])]
+
+
+@KINDS
+def test_it_makes_shapes_trains_and_writes_weights_that_run(
+    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(kind, tmp_path) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        f"{kind}_prior.{end}" for end in ("json", "npz", "pt")
+    ] + ["shapes"]
+    assert len(list((tmp_path / "shapes").iterdir())) == 3
+    weights = weights_in(tmp_path, kind)
+    assert {values.dtype for values in weights.values()} == {np.dtype(np.float16)}
+    channels, ask, shape = {
+        "shape": (shape_prior.CHANNELS, convolution.field, (3, SIZE, SIZE)),
+        "light": (light_prior.CHANNELS, convolution.summary, (4,)),
+    }[kind]
+    answer = ask(
+        {name: values.astype(np.float32) for name, values in weights.items()},
+        np.ones((channels, SIZE, SIZE), np.float32),
+    )
+    assert answer.shape == shape
+    assert np.isfinite(answer).all()
+    assert answer.any()
+    assert str(tmp_path / f"{kind}_prior.npz") in capsys.readouterr().out
+
+
+@KINDS
+def test_the_weights_say_how_they_were_made(kind: str, output: Path) -> None:
+    run(kind, output, seed=11, shape_seed=3)
+    text = (output / f"{kind}_prior.json").read_text(encoding="utf-8")
+    made = json.loads(text)
+    command_line = f"{kind} -o DIR --shapes 6 --shape-seed 3 --steps 5 --batch 4 --seed 11"
+    assert made["command"] == f"python -m toonkit.training {command_line}"
+    assert made["parameters"] == sum(values.size for values in weights_in(output, kind).values())
+    assert (
+        made["versions"]["torch"] == torch.__version__.partition("+")[0]
+        or made["versions"]["torch"] == torch.__version__
+    )
+    history = made["figures, degrees, on shapes kept aside"]
+    assert [entry["step"] for entry in history] == [2, 4, 5]
+    assert all(0 < value < 180 for entry in history for name, value in entry.items() if name != "step")
+    assert str(output) not in text  # nothing of this machine
+
+
+@KINDS
+def test_a_finished_training_trains_no_further(
+    kind: str, output: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run(kind, output)
+    weights = weights_in(output, kind)
+    monkeypatch.setattr(Training, "advance", None)
+    assert run(kind, output) == 0
+    assert differing(weights_in(output, kind), weights) == []
+
+
+def stopping(at: int, number: signal.Signals) -> Callable[..., None]:
+    """In the place of `Tensor.backward`: a signal comes in the middle of a step."""
+    backward, calls = torch.Tensor.backward, iter(range(1, 1000))
+
+    def interrupted(loss: torch.Tensor) -> None:
+        if next(calls) == at:
+            signal.raise_signal(number)
+        backward(loss)
+
+    return interrupted
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@KINDS
+def test_a_training_stopped_in_the_middle_of_a_step_goes_on_as_if_it_had_not_been(
+    kind: str,
+    number: signal.Signals,
+    output: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    run(kind, output)
+    through = weights_in(output, kind)
+    for path in output.glob("*.*"):
+        path.unlink()
+    with monkeypatch.context() as patch:
+        patch.setattr(torch.Tensor, "backward", stopping(4, number))
+        capsys.readouterr()
+        assert run(kind, output) == 130
+    last = capsys.readouterr().err.strip().splitlines()[-1]
+    assert last == f"Stopped; the same command goes on from the checkpoint in {output}."
+    assert not (output / f"{kind}_prior.npz").exists()
+    assert run(kind, output) == 0
+    assert differing(weights_in(output, kind), through) == []
+
+
+def test_shapes_kept_aside_are_never_trained_on(output: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: dict[str, set[tuple[int, int]]] = {"trained": set(), "figures": set()}
+    advance, task = Training.advance, command.TASKS["light"]
+    figures = task.figures
+
+    def watched_advance(training, drawings):  # type: ignore[no-untyped-def]
+        seen["trained"].add((drawings.first, drawings.last))
+        return advance(training, drawings)
+
+    def watched_figures(self, average, drawings, count):  # type: ignore[no-untyped-def]
+        seen["figures"].add((drawings.first, drawings.last))
+        return figures(self, average, drawings, count)
+
+    monkeypatch.setattr(Training, "advance", watched_advance)
+    monkeypatch.setattr(task, "figures", watched_figures)
+    run("light", output)
+    assert seen == {"trained": {(2, 6)}, "figures": {(0, 2)}}
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"shapes": 2}, "--shapes must be more than the 2 kept aside; got 2"),
+        ({"shapes": -5}, "--shapes must be more than the 2 kept aside; got -5"),
+        ({"steps": 0}, "--steps, --batch must be at least 1 and 4; got (0, 4)"),
+        ({"batch": 3}, "--steps, --batch must be at least 1 and 4; got (5, 3)"),
+        ({"workers": 0}, "--workers"),
+        ({"seed": -1}, "--seed"),
+        ({"shape_seed": -1}, "--shape-seed"),
+    ],
+)
+def test_bad_arguments_are_refused_in_one_line(
+    options: dict[str, int], words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("shape", tmp_path / "new", **options) == 2
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 1
+    assert said[0].startswith("toonkit.training: ")
+    assert words in said[0]
+    assert not (tmp_path / "new").exists()
+
+
+def test_an_output_that_is_a_file_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").write_text("in the way")
+    assert run("shape", tmp_path / "file") == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("changed", [{"seed": 8}, {"batch": 5}, {"steps": 9}])
+def test_a_checkpoint_of_other_options_is_not_taken_for_ones_own(
+    changed: dict[str, int], output: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What ships says how it was made: that must be true."""
+    run("light", output)
+    made = (output / "light_prior.json").read_text(encoding="utf-8")
+    capsys.readouterr()
+    assert run("light", output, **changed) == 2
+    assert capsys.readouterr().err.splitlines()[-1].startswith("toonkit.training: ")
+    assert (output / "light_prior.json").read_text(encoding="utf-8") == made
+
+
+@pytest.mark.parametrize(
+    "arguments", [[], ["shape"], ["color", "-o", "out"], ["light", "-o", "out", "--steps", "many"]]
+)
+def test_arguments_that_mean_nothing_show_the_usage(
+    arguments: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        command.main(arguments)
+    assert capsys.readouterr().err.startswith("usage: python -m toonkit.training")

@@ -1,0 +1,117 @@
+"""Small convolutional networks in plain arrays: what is left of them once they are trained."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float32]
+Weights = dict[str, Array]
+"""`<layer>.weight` of shape (out, in, k, k) and `<layer>.bias` of shape (out,)."""
+
+LEVELS = 4
+"""Resolutions: half the input's, and each next one half of the last."""
+
+
+def encoded(weights: Weights, seen: Array) -> list[Array]:
+    """
+    Run the way down to coarser levels.
+
+    Parameters
+    ----------
+    weights : dict
+        Arrays by layer: `stem`, and for level k `down.k.enter` (but for the first), `down.k.first` and `down.k.second`.
+    seen : ndarray of float32, shape (C, S, S)
+        Feature maps; S is divisible by 2 ** LEVELS.
+
+    Returns
+    -------
+    list of ndarray
+        State at each level, fine to coarse, the first of half the size of `seen`.
+    """
+    states = [np.maximum(_convolve(weights, "stem", _to_channels(seen)), 0.0)]
+    for level in range(LEVELS):
+        state = states[-1]
+        if level:
+            state = np.maximum(_convolve(weights, f"down.{level}.enter", state, stride=2), 0.0)
+        states.append(_block(weights, f"down.{level}", state))
+    return states[1:]
+
+
+def field(weights: Weights, seen: Array) -> Array:
+    """
+    Run a network that answers at each pixel.
+
+    Parameters
+    ----------
+    weights : dict
+        Those of `encoded`; for the way back up to level k `up.k.enter`, `up.k.first` and `up.k.second`; and `out`.
+    seen : ndarray of float32, shape (C, S, S)
+        Feature maps.
+
+    Returns
+    -------
+    ndarray of float32, shape (channels of `out` / 4, S, S)
+        The answer.
+    """
+    *passed, state = encoded(weights, seen)
+    for level in reversed(range(LEVELS - 1)):
+        wide = state.repeat(2, axis=1).repeat(2, axis=2)
+        joined = np.concatenate([wide, passed.pop()])
+        state = np.maximum(_convolve(weights, f"up.{level}.enter", joined), 0.0)
+        state = _block(weights, f"up.{level}", state)
+    return _from_channels(_convolve(weights, "out", state))
+
+
+def summary(weights: Weights, seen: Array) -> Array:
+    """
+    Run a network that answers once for the whole.
+
+    Parameters
+    ----------
+    weights : dict
+        Those of `encoded`, and the dense layers `hidden` and `out`.
+    seen : ndarray of float32, shape (C, S, S)
+        Feature maps.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows of `out`,)
+        The answer.
+    """
+    coarse = encoded(weights, seen)[-1]
+    pooled = np.concatenate([coarse.mean((1, 2)), coarse.max((1, 2))])
+    hidden = np.maximum(weights["hidden.weight"] @ pooled + weights["hidden.bias"], 0.0)
+    return np.asarray(weights["out.weight"] @ hidden + weights["out.bias"])
+
+
+def _block(weights: Weights, name: str, state: Array) -> Array:
+    inner = np.maximum(_convolve(weights, f"{name}.first", state), 0.0)
+    return np.asarray(np.maximum(state + _convolve(weights, f"{name}.second", inner), 0.0))
+
+
+def _convolve(weights: Weights, layer: str, state: Array, *, stride: int = 1) -> Array:
+    """Correlate with kernels of 1 or 3 pixels, zero beyond the edge."""
+    kernels, bias = weights[f"{layer}.weight"], weights[f"{layer}.bias"]
+    out, channels, size, _ = kernels.shape
+    framed = np.pad(state, ((0, 0), (size // 2, size // 2), (size // 2, size // 2)))
+    windows = np.lib.stride_tricks.sliding_window_view(framed, (size, size), axis=(1, 2))
+    windows = windows[:, ::stride, ::stride]
+    height, width = windows.shape[1:3]
+    columns = windows.transpose(0, 3, 4, 1, 2).reshape(channels * size * size, height * width)
+    flat: Array = kernels.reshape(out, -1) @ columns + bias[:, None]
+    return np.asarray(flat.reshape(out, height, width))
+
+
+def _to_channels(seen: Array) -> Array:
+    """Fold cells of 2 x 2 pixels into channels: (C, S, S) to (4 C, S / 2, S / 2)."""
+    count, height, width = seen.shape
+    cells = seen.reshape(count, height // 2, 2, width // 2, 2)
+    return cells.transpose(0, 2, 4, 1, 3).reshape(4 * count, height // 2, width // 2)
+
+
+def _from_channels(state: Array) -> Array:
+    """Undo `_to_channels`: (4 C, h, w) to (C, 2 h, 2 w)."""
+    count, height, width = state.shape
+    cells = state.reshape(count // 4, 2, 2, height, width)
+    return cells.transpose(0, 3, 1, 4, 2).reshape(count // 4, 2 * height, 2 * width)

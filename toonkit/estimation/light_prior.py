@@ -1,0 +1,147 @@
+"""
+A learned look at the light: where it comes from, and how sure that is.
+
+A small convolutional network sees the drawing on a square of `SIZE` pixels. It was trained by
+`python -m toonkit.training light` on shapes and color maps of its own; `weights/light_prior.json` says how.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from toonkit._validation import BoolArray, FloatArray
+from toonkit.estimation.color_map_fit import plain_tones
+from toonkit.estimation.convolution import Array, Weights, summary
+from toonkit.estimation.weights import read_weights
+from toonkit.estimation.working_square import WorkingSquare
+from toonkit.model.image import ToonImage
+from toonkit.model.normals import NormalField
+
+CHANNELS = 6
+"""Feature maps of `features`."""
+
+LEAST_CONCENTRATION = 0.05
+"""Of a belief that knows nothing: nearly the same for all directions."""
+
+TURNS = tuple((quarter, mirrored) for mirrored in (False, True) for quarter in range(4))
+"""Quarter turns and reflections in which the network is asked; its answers are averaged."""
+
+
+@dataclass(frozen=True, eq=False)
+class LightBelief:
+    """
+    What the network believes about the light: a von Mises-Fisher distribution on the sphere.
+
+    Attributes
+    ----------
+    light : ndarray, shape (3,)
+        Unit vector from the surface to the light, its mean.
+    concentration : float
+        About the inverse of the variance of each of the two angles, in radians.
+    """
+
+    light: FloatArray
+    concentration: float
+
+    def probability_within(self, degrees: float) -> float:
+        """Return the probability that the light is at most so many degrees from the mean."""
+        rise = 1.0 - np.cos(np.deg2rad(degrees))
+        whole = -np.expm1(-2.0 * self.concentration)
+        return float(-np.expm1(-self.concentration * rise) / whole)
+
+
+def believed_light(image: ToonImage, initial_normals: NormalField) -> LightBelief:
+    """
+    Ask the network for the light.
+
+    Parameters
+    ----------
+    image : ToonImage
+        The picture.
+    initial_normals : NormalField
+        N0.
+
+    Returns
+    -------
+    LightBelief
+        Mean and concentration.
+    """
+    square = WorkingSquare.around(image.mask, np.array([1.0, 0.0, 0.0]))
+    mask = square.sampled(image.mask)
+    if not mask.any():  # a line thinner than the square's pixels
+        return LightBelief(np.array([0.0, 0.0, 1.0]), LEAST_CONCENTRATION)
+    initial = square.sampled(np.nan_to_num(initial_normals.vectors))
+    seen = features(square.sampled(np.nan_to_num(plain_tones(image))), mask, initial)
+    weights = load_weights()
+    answers = [_undone(summary(weights, turned(seen, *turn)), *turn) for turn in TURNS]
+    means = np.array([answer[:3] / np.linalg.norm(answer[:3]) for answer in answers])
+    total = means.mean(axis=0)
+    agreement = float(np.linalg.norm(total))
+    own = float(np.mean([concentration(float(answer[3])) for answer in answers]))
+    # Answers that disagree add their scatter to the variance that each admits.
+    return LightBelief(total / agreement, float(1.0 / (1.0 / own + 1.0 - agreement)))
+
+
+def features(tones: Array, mask: BoolArray, initial_normals: Array) -> Array:
+    """
+    Describe a drawing to the network.
+
+    Parameters
+    ----------
+    tones : ndarray, shape (SIZE, SIZE)
+        Tones in [0, 1] of the painted colors.
+    mask : ndarray of bool, shape (SIZE, SIZE)
+        The object.
+    initial_normals : ndarray, shape (SIZE, SIZE, 3)
+        N0.
+
+    Returns
+    -------
+    ndarray of float32, shape (CHANNELS, SIZE, SIZE)
+        Mask, N0, tone and rank, zero beside the object.
+    """
+    painted = tones[mask]
+    level = np.rint(painted * 255).astype(np.intp)
+    upto = np.cumsum(np.bincount(level, minlength=256))
+    below = np.concatenate([[0], upto[:-1]])
+    darkest, brightest = float(painted.min()), float(painted.max())
+    seen = np.zeros((CHANNELS, *mask.shape), np.float32)
+    seen[0] = mask
+    seen[1:4] = np.moveaxis(initial_normals, -1, 0)
+    seen[4][mask] = (painted - darkest) / max(brightest - darkest, 1e-3)
+    seen[5][mask] = (below[level] + upto[level]) / (2.0 * len(level))
+    return seen * mask
+
+
+def concentration(raw: float) -> float:
+    """Map the network's fourth number, any, to a concentration between 0.05 and some thousands."""
+    return float(LEAST_CONCENTRATION + np.exp(np.clip(raw, -4.0, 8.0)))
+
+
+def turned(seen: Array, quarters: int, mirrored: bool) -> Array:
+    """Reflect features left to right, if asked, then turn them counter-clockwise by quarters."""
+    x, y = seen[1], seen[2]
+    if mirrored:
+        seen, x, y = seen[:, :, ::-1], -x[:, ::-1], y[:, ::-1]
+    seen = np.rot90(seen, quarters, axes=(1, 2)).copy()
+    for _ in range(quarters):
+        x, y = -np.rot90(y), np.rot90(x)
+    seen[1], seen[2] = x, y
+    return seen
+
+
+def _undone(answer: Array, quarters: int, mirrored: bool) -> FloatArray:
+    """Bring an answer (light and concentration) about turned features back to the picture's axes."""
+    x, y, z, certainty = (float(value) for value in answer)
+    for _ in range(quarters):
+        x, y = y, -x
+    return np.array([-x if mirrored else x, y, z, certainty])
+
+
+@cache
+def load_weights() -> Weights:
+    """Read the weights that ship with the package."""
+    return read_weights("light_prior")

@@ -1,0 +1,49 @@
+"""Our method without what was learned: the paper's steps with a smooth change of the normals and an integrable result."""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.refinement import refine
+from toonkit.methods.steps import StepProgress, inflated
+from toonkit.model.image import ToonImage
+
+
+def classical(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = None) -> ToonAnalysis:
+    """
+    Analyze a picture: inflate, fit the color map, refine the change of the normals coarse to fine.
+
+    Parameters
+    ----------
+    image : ToonImage
+        The picture.
+    light : array_like, shape (3,)
+        Direction from the surface to the light.
+    progress : callable, optional
+        Called with (step, fraction done).
+
+    Returns
+    -------
+    ToonAnalysis
+        Refined normals and the color map estimated on them.
+
+    Raises
+    ------
+    ToonkitError
+        If the light is refused.
+
+    Notes
+    -----
+    Where the paper smooths the normals (Eq. 5), which pulls a round shape flat, this smooths their change from N0, and adds
+    the integrability that normals of a surface have; see `toonkit.estimation.energy.ChangeEnergy`.
+    """
+    steps = inflated(image, light, progress)
+    refinement = refine(
+        steps.initial_normals,
+        steps.light,
+        steps.fitted_interval(),
+        alpha=image.alpha,
+        progress=steps.refining,
+    )
+    return steps.finished("classical", refinement)

@@ -1,0 +1,123 @@
+"""The shapes to learn from: rendered once, kept in shards that can be made in any order and again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toonkit._validation import BoolArray, ToonkitError
+from toonkit.estimation.convolution import Array
+from toonkit.estimation.inflation import inflate
+from toonkit.estimation.working_square import SIZE
+from toonkit.training.solids import random_solid, render_solid
+
+SHARD = 200
+"""Shapes in a file."""
+
+
+@dataclass(frozen=True, eq=False)
+class Dataset:
+    """
+    Shapes without color or light.
+
+    Attributes
+    ----------
+    normals, initial_normals : ndarray of float16, shape (n, SIZE, SIZE, 3)
+        The truth and N0; zero beside the object.
+    masks : ndarray of bool, shape (n, SIZE, SIZE)
+        The object.
+    """
+
+    normals: NDArray[np.float16]
+    initial_normals: NDArray[np.float16]
+    masks: BoolArray
+
+    def __len__(self) -> int:
+        return len(self.masks)
+
+    def view(self, index: int, variant: int) -> tuple[Array, Array, BoolArray]:
+        """Return truth, N0 and mask of a shape in one of the eight turns and reflections of a square."""
+        mask = self.masks[index]
+        fields = [field[index].astype(np.float32) for field in (self.normals, self.initial_normals)]
+        if variant >= 4:  # a reflection left to right
+            mask = mask[:, ::-1]
+            fields = [field[:, ::-1] * np.array([-1, 1, 1], np.float32) for field in fields]
+        for _ in range(variant % 4):  # a quarter turn counter-clockwise: (x, y) becomes (-y, x)
+            mask = np.rot90(mask)
+            fields = [np.rot90(field)[..., [1, 0, 2]] * np.array([-1, 1, 1], np.float32) for field in fields]
+        return fields[0], fields[1], mask
+
+
+def make_dataset(
+    folder: Path, count: int, seed: int, *, workers: int, progress: Callable[[Iterator[int]], Iterator[int]]
+) -> Dataset:
+    """
+    Render shapes, or read those that are there already.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the shards are kept.
+    count : int
+        Shapes wanted.
+    seed : int
+        Of all shapes together; shard k depends on (seed, k) alone.
+    workers : int
+        Processes.
+    progress : callable
+        Wraps the iterator over finished shards.
+
+    Returns
+    -------
+    Dataset
+        The shapes.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    shards = range(-(-count // SHARD))
+    missing = [k for k in shards if not _path(folder, seed, k).exists()]
+    if missing:
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+            for _ in progress(pool.map(partial(_make_shard, folder, seed), missing)):
+                pass
+    parts: list[dict[str, NDArray[np.generic]]] = []
+    for k in shards:
+        with np.load(_path(folder, seed, k)) as stored:
+            parts.append({name: stored[name] for name in stored.files})
+    joined = {name: np.concatenate([part[name] for part in parts])[:count] for name in parts[0]}
+    return Dataset(**joined)
+
+
+def _path(folder: Path, seed: int, shard: int) -> Path:
+    return folder / f"shapes-{seed}-{shard:05d}.npz"
+
+
+def _make_shard(folder: Path, seed: int, shard: int) -> int:
+    rng = np.random.default_rng([seed, shard])
+    normals = np.zeros((SHARD, SIZE, SIZE, 3), np.float16)
+    initial = np.zeros_like(normals)
+    masks = np.zeros((SHARD, SIZE, SIZE), np.bool_)
+    done = 0
+    while done < SHARD:
+        rendered = render_solid(random_solid(rng), SIZE)
+        if rendered is None:
+            continue
+        try:
+            inflated = inflate(rendered.mask, alpha=rendered.coverage)
+        except ToonkitError:  # a sliver too thin to inflate
+            continue
+        normals[done], masks[done] = rendered.normals, rendered.mask
+        initial[done] = np.nan_to_num(inflated.vectors)
+        done += 1
+    path = _path(folder, seed, shard)
+    unfinished = path.with_suffix(".part")
+    with unfinished.open("wb") as file:
+        np.savez(file, normals=normals, initial_normals=initial, masks=masks)
+    unfinished.replace(path)
+    return shard

@@ -1,0 +1,126 @@
+"""The networks of the shape prior and of the light while they learn: the same layers, with batch normalization."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from toonkit.estimation import light_prior, shape_prior
+from toonkit.estimation.convolution import LEVELS, Weights
+
+SHAPE_WIDTHS = (64, 104, 128, 144)
+LIGHT_WIDTHS = (32, 64, 80, 96)
+"""Feature maps at each level, fine to coarse."""
+
+
+class Layer(nn.Module):
+    """A convolution and its batch normalization, which become one convolution when training is over."""
+
+    def __init__(self, entering: int, leaving: int, size: int = 3, stride: int = 1) -> None:
+        super().__init__()
+        self.convolution = nn.Conv2d(entering, leaving, size, stride, size // 2, bias=False)
+        self.norm = nn.BatchNorm2d(leaving)
+
+    def forward(self, state: Tensor) -> Tensor:
+        """Return the state after it, before any activation."""
+        return self.norm(self.convolution(state))
+
+    def folded(self) -> tuple[Tensor, Tensor]:
+        """Return weight and bias of the one convolution."""
+        scale = self.norm.weight / torch.sqrt(self.norm.running_var + self.norm.eps)
+        return self.convolution.weight * scale[
+            :, None, None, None
+        ], self.norm.bias - self.norm.running_mean * scale
+
+
+class Stage(nn.Module):
+    """An entering layer, if any, and a residual block."""
+
+    def __init__(self, width: int, enter: Layer | None) -> None:
+        super().__init__()
+        self.enter = enter
+        self.first = Layer(width, width)
+        self.second = Layer(width, width)
+
+    def forward(self, state: Tensor) -> Tensor:
+        """Return the state after it."""
+        if self.enter is not None:
+            state = functional.relu(self.enter(state))
+        return functional.relu(state + self.second(functional.relu(self.first(state))))
+
+
+class Encoder(nn.Module):
+    """Features (n, channels, S, S) to their state at each level, fine to coarse."""
+
+    def __init__(self, channels: int, widths: Sequence[int]) -> None:
+        super().__init__()
+        self.stem = Layer(4 * channels, widths[0])
+        self.down = nn.ModuleList(
+            Stage(widths[k], Layer(widths[k - 1], widths[k], stride=2) if k else None) for k in range(LEVELS)
+        )
+
+    def forward(self, seen: Tensor) -> list[Tensor]:
+        """Return the state at each level."""
+        states = [functional.relu(self.stem(functional.pixel_unshuffle(seen, 2)))]
+        for stage in self.down:
+            states.append(stage(states[-1]))
+        return states[1:]
+
+
+class ShapeNetwork(nn.Module):
+    """Features (n, CHANNELS, S, S) to a change of the normals (n, 3, S, S)."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.encoder = Encoder(shape_prior.CHANNELS, SHAPE_WIDTHS)
+        self.up = nn.ModuleList(
+            Stage(fine, Layer(fine + coarse, fine, size=1)) for fine, coarse in pairwise(SHAPE_WIDTHS)
+        )
+        self.out = nn.Conv2d(SHAPE_WIDTHS[0], 12, 3, padding=1)
+        nn.init.zeros_(self.out.weight)  # it starts by leaving the normals as they are
+        nn.init.zeros_(self.out.bias)
+
+    def forward(self, seen: Tensor) -> Tensor:
+        """Return the change."""
+        *passed, state = self.encoder(seen)
+        for stage in reversed(self.up):
+            wide = functional.interpolate(state, scale_factor=2, mode="nearest")
+            state = stage(torch.cat([wide, passed.pop()], 1))
+        return functional.pixel_shuffle(self.out(state), 2)
+
+
+class LightNetwork(nn.Module):
+    """Features (n, CHANNELS, S, S) to a light and how sure it is, (n, 4)."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.encoder = Encoder(light_prior.CHANNELS, LIGHT_WIDTHS)
+        self.hidden = nn.Linear(2 * LIGHT_WIDTHS[-1], 128)
+        self.out = nn.Linear(128, 4)
+
+    def forward(self, seen: Tensor) -> Tensor:
+        """Return the direction, of any length, and the raw certainty."""
+        coarse = self.encoder(seen)[-1]
+        pooled = torch.cat([coarse.mean((2, 3)), coarse.amax((2, 3))], 1)
+        return self.out(functional.relu(self.hidden(pooled)))
+
+
+def exported(network: nn.Module) -> Weights:
+    """Return the weights as `toonkit.estimation.convolution` takes them, each normalization folded into its layer."""
+    weights: Weights = {}
+    for name, module in network.named_modules():
+        if isinstance(module, Layer):
+            weight, bias = module.folded()
+        elif isinstance(module, nn.Linear) or name == "out":
+            weight, bias = module.weight, module.bias
+        else:
+            continue
+        key = name.removeprefix("encoder.")
+        weights[f"{key}.weight"] = weight.detach().numpy().astype(np.float32)
+        weights[f"{key}.bias"] = bias.detach().numpy().astype(np.float32)
+    return weights

@@ -1,0 +1,108 @@
+"""What the shape prior learns: to correct normals, at a first look and at a second."""
+
+from __future__ import annotations
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from toonkit.estimation.shape_prior import completed, features
+from toonkit.training.drawings import Drawing, Drawings
+from toonkit.training.network import ShapeNetwork
+
+SECOND_LOOK_FROM = 500
+"""Steps before half of each batch shows the network its own first answer."""
+
+BALANCE = 6.0
+"""Degrees: a shape whose N0 is better than this weighs as if it were no better."""
+
+
+class ShapeTask:
+    """Mean angle to the true normals, over the mask."""
+
+    name = "shape_prior"
+
+    def network(self) -> nn.Module:
+        """Build the network."""
+        return ShapeNetwork()
+
+    def loss(
+        self,
+        network: nn.Module,
+        average: nn.Module,
+        drawings: Drawings,
+        rng: np.random.Generator,
+        size: int,
+        step: int,
+    ) -> tuple[Tensor, float]:
+        """Return the loss of a batch, and its mean error in degrees."""
+        items = [drawings.draw(rng, turned=False) for _ in range(size)]
+        seen, normals = _first_look(items)
+        if step >= SECOND_LOOK_FROM:
+            half = size // 2
+            seen[:half], normals[:half] = _second_look(items[:half], _answer(average, seen[:half]))
+        with torch.autocast("cpu", torch.bfloat16):
+            change = network(_channels_last(seen))
+        error = chord(change.float(), items, normals)
+        before = chord(torch.zeros_like(change, dtype=torch.float32), items, normals)
+        return (error / torch.sqrt(before.clamp_min(BALANCE))).mean(), float(error.detach().mean())
+
+    def figures(self, average: nn.Module, drawings: Drawings, count: int) -> dict[str, float]:
+        """Return mean errors over `count` drawings that never change, degrees: of N0, after one look and after two."""
+        sums = np.zeros(3)
+        for k in range(count):
+            items = [drawings.draw(np.random.default_rng([k]), turned=False)]
+            seen, normals = _first_look(items)
+            sums[0] += float(chord(torch.zeros(1, 3, *seen.shape[2:]), items, normals))
+            change = _answer(average, seen)
+            sums[1] += float(chord(torch.from_numpy(change), items, normals))
+            seen, normals = _second_look(items, change)
+            sums[2] += float(chord(torch.from_numpy(_answer(average, seen)), items, normals))
+        n0, once, twice = (sums / count).tolist()
+        return {"initial": n0, "one look": once, "two looks": twice}
+
+
+def chord(change: Tensor, items: list[Drawing], normals: np.ndarray) -> Tensor:
+    """Mean distance of unit normals from the truth over each mask after a change, in degrees, shape (n,)."""
+    after = torch.from_numpy(normals) + change.permute(0, 2, 3, 1)
+    after = torch.cat([after[..., :2], after[..., 2:].clamp_min(0.0)], -1)
+    after = functional.normalize(after, dim=-1, eps=1e-6)
+    truth = torch.from_numpy(np.stack([item.normals for item in items]))
+    mask = torch.from_numpy(np.stack([item.mask for item in items]))
+    apart = torch.sqrt(((after - truth) ** 2).sum(-1) + 1e-6)
+    return torch.rad2deg((apart * mask).sum((1, 2)) / mask.sum((1, 2)))
+
+
+def _first_look(items: list[Drawing]) -> tuple[np.ndarray, np.ndarray]:
+    normals = np.stack([item.initial_normals for item in items])
+    return _seen(items, normals), normals
+
+
+def _second_look(items: list[Drawing], change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    normals = np.stack(
+        [
+            completed(item.initial_normals + np.moveaxis(part, 0, -1)) * item.mask[..., None]
+            for item, part in zip(items, change, strict=True)
+        ]
+    )
+    return _seen(items, normals), normals
+
+
+def _seen(items: list[Drawing], normals: np.ndarray) -> np.ndarray:
+    rows = [
+        features(
+            item.tones, item.mask, now, item.initial_normals, float(np.arctan2(item.light[2], item.light[0]))
+        )
+        for item, now in zip(items, normals, strict=True)
+    ]
+    return np.stack(rows)
+
+
+def _answer(average: nn.Module, seen: np.ndarray) -> np.ndarray:
+    with torch.no_grad(), torch.autocast("cpu", torch.bfloat16):
+        return np.asarray(average(_channels_last(seen)).float())
+
+
+def _channels_last(seen: np.ndarray) -> Tensor:
+    return torch.from_numpy(seen).contiguous(memory_format=torch.channels_last)
