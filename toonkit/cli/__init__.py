@@ -25,7 +25,7 @@ METHOD_NAMES = ("toonkit", "classical", "todo", "lumo", "lambert")
 
 SAMPLE_PREFIX = "sample:"
 
-UNSURE = 0.3
+UNSURE = 0.5
 """Confidence in an estimated light below which the summary says that it is a guess."""
 
 _EXIT_REFUSED = 2

@@ -27,7 +27,7 @@ MEASURED_BY = (
     *(f"study/{name}" for name in ("contestants.py", "registry.py", "rendering.py", "subjects.py", "trials.py")),
     *(f"study/solids/{name}" for name in ("mesh_rays.py", "sphere_tracing.py")),
 )  # fmt: skip
-"""Modules, and learned weights, that every trial depends on, in `toonkit/`; methods and subjects have digests of their own."""
+"""Modules and learned weights that every trial depends on, in `toonkit/`; methods and subjects have digests of their own."""
 
 _PROBES = np.random.default_rng(0).uniform(-BOUND, BOUND, (4096, 3))
 _PLAIN = (type(None), bool, int, float, complex, str, bytes)
