@@ -22,9 +22,9 @@ def study(tmp_path_factory):
 
 def test_a_run_measures_every_method_and_says_where_the_table_is(study, capsys):
     table = load_trials(study)
-    assert len(table) == 3 * 2 * 5
+    assert len(table) == 3 * 2 * 6
     assert main(["study", "run", "-o", str(study), "--shapes", "sphere", *SMALL]) == 0
-    assert "30 trials on file, 0 of them failed" in capsys.readouterr().out
+    assert "36 trials on file, 0 of them failed" in capsys.readouterr().out
 
 
 def test_a_report_prints_its_tables_and_writes_its_figures(study, capsys, tmp_path):

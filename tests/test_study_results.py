@@ -30,7 +30,7 @@ def trials() -> pd.DataFrame:
 
 
 def test_the_table_has_a_row_for_every_trial_and_none_failed(trials):
-    assert len(trials) == 20 * 24 * 5
+    assert len(trials) == 20 * 24 * 6
     assert len(trials) == len(SHAPES) * len(load_color_maps()) * len(contestants())
     assert not trials.duplicated(["shape", "color_map", "method"]).any()
     assert (trials["error"] == "").all()

@@ -33,14 +33,14 @@ def choose(page, label, option):
 def pictures(page, trial):
     """The pictures of a trial, once all methods have answered."""
     sheet = page.locator(f'.sheet[aria-label="{trial}"]')
-    sheet.locator("img[alt='normal map']").nth(5).wait_for()
+    sheet.locator("img[alt='normal map']").nth(6).wait_for()
     return tuple(image.get_attribute("src") for image in sheet.locator(".tile img").all())
 
 
 def test_the_page_opens_with_a_difference_and_a_trial_for_all_methods(study_page):
     assert study_page.get_by_text("Normals, mean error: toonkit minus Todo & Yamaguchi").is_visible()
     assert study_page.locator(".sheet .name").all_inner_texts()[0].startswith("Truth")
-    assert study_page.locator(".sheet .tile img").count() == 6 + 6 + 5 + 4 * 6
+    assert study_page.locator(".sheet .tile img").count() == 7 + 7 + 6 + 4 * 7  # six methods, and the truth
 
 
 def test_measure_and_methods_change_the_heat_map(study_page):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from toonkit._validation import ToonkitError
 from toonkit.methods import METHODS
@@ -106,9 +107,14 @@ def measure(truth: Truth, cell: Cell) -> list[Record]:
         )
     if not isinstance(truth, RenderedShape):
         return cell.failed(f"{type(truth).__name__}: {truth}")
-    _warm_up()
-    painting = paint(truth, cell.color_map, cell.settings)
-    return [run_trial(trial, cell.shape_kind, painting, cell.methods[trial.method]) for trial in cell.trials]
+    # A product of matrices is summed in another order by other numbers of threads: the same trial shall give the same
+    # numbers in any process.
+    with threadpool_limits(1, user_api="blas"):
+        _warm_up()
+        painting = paint(truth, cell.color_map, cell.settings)
+        return [
+            run_trial(trial, cell.shape_kind, painting, cell.methods[trial.method]) for trial in cell.trials
+        ]
 
 
 @cache

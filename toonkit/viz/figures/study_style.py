@@ -26,7 +26,7 @@ GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 """Its multiples fill an interval evenly."""
 
 
-SPARE_COLORS = ("#ccbc66", "#a60014", "#1000cc", "#331a1d")
+SPARE_COLORS = ("#a60014", "#1000cc", "#331a1d")
 """Colors of newcomers, in order: any two of these and of the house's stay apart for color-blind readers."""
 
 

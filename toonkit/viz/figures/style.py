@@ -25,7 +25,7 @@ PAD = 0.025
 
 METHOD_COLORS: dict[str, str] = {
     "toonkit": "#0072b2",
-    "classical": "#009e73",
+    "classical": "#ccbc66",
     "todo": "#d55e00",
     "lumo": "#56b4e9",
     "lambert": "#882255",
