@@ -64,7 +64,9 @@ def test_every_variant_differs_from_every_other(painting):
 
 def test_the_oracle_refines_into_the_true_intervals_and_relights_with_the_true_color_map():
     # Of a cone in hard tones the color map cannot be told well: the oracle knows what the method does not.
-    painting = paint(render_shape(SHAPES["cone"], 64), load_color_maps()["terracotta"], StudySettings(size=64))
+    painting = paint(
+        render_shape(SHAPES["cone"], 64), load_color_maps()["terracotta"], StudySettings(size=64)
+    )
     told = ablation.varied(
         painting.image,
         painting.light,
