@@ -1,6 +1,6 @@
 """What each part of our method buys: the whole, the whole with one part less, and the steps on the way to it.
 
-    python benchmarks/ablation.py -o notebooks/study/ablation.csv
+    python -m benchmarks.ablation -o notebooks/study/ablation.csv
 
 Runs every variant on the study's twenty shapes, each painted with six color maps of different kinds, at 256² and with the
 light given. Writes one row per variant, shape and color map, and prints the means.
@@ -9,19 +9,15 @@ light given. Writes one row per variant, shape and color map, and prints the mea
 from __future__ import annotations
 
 import argparse
-import csv
 import functools
 import os
-import sys
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from multiprocessing import get_context
 from pathlib import Path
 
-import numpy as np
-from tqdm import tqdm
+import pandas as pd
 
+from benchmarks.shape_rows import Row, measured_rows, write_rows
 from toonkit import METHODS, ToonAnalysis
 from toonkit.estimation.color_map_fit import illumination_interval
 from toonkit.estimation.refinement import Refinement, RefinementOptions, refine
@@ -39,10 +35,11 @@ from toonkit.study.trials import Painting, StudySettings, Trial, paint, run_tria
 COLOR_MAP_NAMES = ("plum_cream", "terracotta", "ocean", "night_lamp", "lilac_soft", "clay_smooth")
 """Two, three and five hard tones, uneven ones, soft ones, and one that is nearly Lambert."""
 
+Variants = Callable[[ColorMap], dict[str, Method]]
+"""From the true color map, which a variant may be told, to methods by name."""
+
 MEASURES = ("angular_error", "relight_rmse", "input_rmse", "seconds")
 COLUMNS = ("variant", "shape", "shape_kind", "color_map", "size", *MEASURES)
-
-Row = dict[str, str | float]
 
 
 def variants(true_color_map: ColorMap) -> dict[str, Method]:
@@ -88,7 +85,9 @@ def varied(
     return analysis if color_map is None else replace(analysis, color_map=color_map)
 
 
-def measured(shape: str, color_maps: Sequence[str], settings: StudySettings) -> list[Row]:
+def measured(
+    shape: str, color_maps: Sequence[str], settings: StudySettings, variants: Variants = variants
+) -> list[Row]:
     """Run all variants on one shape, painted with each of the color maps."""
     truth = render_shape(SHAPES[shape], settings.size)
     paintings = {name: paint(truth, load_color_maps()[name], settings) for name in color_maps}
@@ -106,34 +105,17 @@ def _row(variant: str, trial: Trial, painting: Painting, method: Method) -> Row:
     return {"variant": variant, **{name: getattr(record, name) for name in COLUMNS[1:]}}
 
 
-def all_measured(
-    shapes: Sequence[str], color_maps: Sequence[str], settings: StudySettings, *, workers: int
-) -> Iterator[list[Row]]:
-    """Yield the rows of shape after shape, in order; measured in this process if there are no workers."""
-    work = functools.partial(measured, color_maps=color_maps, settings=settings)
-    if workers == 0:
-        yield from map(work, shapes)
-        return
-    for library in ("OMP", "OPENBLAS", "MKL"):
-        os.environ.setdefault(
-            f"{library}_NUM_THREADS", "1"
-        )  # one core each: workers would wait for each other
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        yield from pool.map(work, shapes)
-
-
-def means(rows: Sequence[Row]) -> str:
+def means(rows: pd.DataFrame) -> str:
     """One line per variant, as a Markdown table."""
     lines = ["| variant | " + " | ".join(MEASURES) + " |", "|---" * (1 + len(MEASURES)) + "|"]
-    for variant in dict.fromkeys(row["variant"] for row in rows):
-        own = [row for row in rows if row["variant"] == variant]
-        cells = [f"{np.mean([float(row[name]) for row in own]):.4g}" for name in MEASURES]
-        lines.append(f"| {variant} | " + " | ".join(cells) + " |")
+    for variant, mean in rows.groupby("variant", sort=False)[list(MEASURES)].mean().iterrows():
+        lines.append(f"| {variant} | " + " | ".join(f"{value:.4g}" for value in mean) + " |")
     return "\n".join(lines)
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(description="What each part of our method buys.")
+def run(variants: Variants, purpose: str, arguments: Sequence[str] | None) -> None:
+    """Measure variants as a command line asks for it, print their means and write the rows."""
+    parser = argparse.ArgumentParser(description=purpose)
     parser.add_argument("-o", "--output", type=Path, metavar="CSV", help="write one row per trial")
     parser.add_argument("--size", type=int, default=256, help="side of the pictures (default: 256)")
     parser.add_argument("--shapes", nargs="+", default=list(SHAPES), choices=list(SHAPES), metavar="SHAPE")
@@ -146,17 +128,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     )
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes (default: cores)")
     given = parser.parse_args(arguments)
-    found = all_measured(given.shapes, given.maps, StudySettings(size=given.size), workers=given.workers)
-    rows = [row for of in tqdm(found, total=len(given.shapes), file=sys.stderr, unit="shape") for row in of]
+    settings = StudySettings(size=given.size)
+    work = functools.partial(measured, color_maps=given.maps, settings=settings, variants=variants)
+    rows = measured_rows(work, given.shapes, workers=given.workers)[list(COLUMNS)]
     print(means(rows))
     if given.output is not None:
-        with given.output.open("w", newline="") as file:
-            writer = csv.DictWriter(file, fieldnames=COLUMNS)
-            writer.writeheader()
-            writer.writerows(
-                {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()}
-                for row in rows
-            )
+        write_rows(rows, given.output)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    run(variants, "What each part of our method buys.", arguments)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ Serves the dashboard, opens it in headless Chromium, drops a 512 x 512 drawing, 
 A picture counts once the graphics card has finished it: after each draw one pixel is read back. Run from the
 repository's root:
 
-    python benchmarks/drag_rate.py -o drag_rate.json
+    python -m benchmarks.drag_rate -o drag_rate.json
 """
 
 from __future__ import annotations

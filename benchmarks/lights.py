@@ -1,28 +1,24 @@
 """How well the light is found when nobody gives it, and whether the estimate knows how sure it may be.
 
-    python benchmarks/lights.py -o notebooks/study/lights.csv
+    python -m benchmarks.lights -o notebooks/study/lights.csv
 
-Estimates the light of the study's twenty shapes, each painted with all of its 24 color maps under nine lights, at 512².
+Estimates the light of the study's twenty shapes, each painted with all of its 24 color maps under nine lights, at 256²: the
+network sees every picture on a small square.
 Writes one row per picture, and prints the errors: of all, of the surer half and of the rest, and by the light's elevation.
 """
 
 from __future__ import annotations
 
 import argparse
-import csv
 import functools
 import os
-import sys
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
-from tqdm import tqdm
 
 import toonkit
+from benchmarks.shape_rows import Row, measured_rows, write_rows
 from toonkit.estimation.light_fit import estimate_light
 from toonkit.model.light import light_angles
 from toonkit.model.normals import NormalField
@@ -39,8 +35,6 @@ COLUMNS = (
     *("shape", "color_map", "size", "azimuth", "elevation"),
     *("estimated_azimuth", "estimated_elevation", "error", "confidence"),
 )
-
-Row = dict[str, str | float]
 
 
 def measured(shape: str, color_maps: Sequence[str], size: int) -> list[Row]:
@@ -74,26 +68,10 @@ def _estimated(
     }
 
 
-def all_measured(
-    shapes: Sequence[str], color_maps: Sequence[str], size: int, *, workers: int
-) -> Iterator[list[Row]]:
-    """Yield the rows of shape after shape, in order; measured in this process if there are no workers."""
-    work = functools.partial(measured, color_maps=color_maps, size=size)
-    if workers == 0:
-        yield from map(work, shapes)
-        return
-    for library in ("OMP", "OPENBLAS", "MKL"):
-        os.environ.setdefault(
-            f"{library}_NUM_THREADS", "1"
-        )  # one core each: workers would wait for each other
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        yield from pool.map(work, shapes)
-
-
 def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description="How well the light is found.")
     parser.add_argument("-o", "--output", type=Path, metavar="CSV", help="write one row per picture")
-    parser.add_argument("--size", type=int, default=512, help="side of the pictures (default: 512)")
+    parser.add_argument("--size", type=int, default=256, help="side of the pictures (default: 256)")
     parser.add_argument("--shapes", nargs="+", default=list(SHAPES), choices=list(SHAPES), metavar="SHAPE")
     known = list(load_color_maps())
     parser.add_argument("--maps", nargs="+", default=known, choices=known, metavar="COLOR_MAP")
@@ -101,17 +79,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     given = parser.parse_args(arguments)
     if given.size < MIN_SIZE:
         parser.error(f"--size must be at least {MIN_SIZE}")
-    found = all_measured(given.shapes, given.maps, given.size, workers=given.workers)
-    rows = [row for of in tqdm(found, total=len(given.shapes), file=sys.stderr, unit="shape") for row in of]
-    print(light_errors(pd.DataFrame(rows)).to_string(float_format="{:.3g}".format))
+    work = functools.partial(measured, color_maps=given.maps, size=given.size)
+    rows = measured_rows(work, given.shapes, workers=given.workers)[list(COLUMNS)]
+    print(light_errors(rows).to_string(float_format="{:.3g}".format))
     if given.output is not None:
-        with given.output.open("w", newline="") as file:
-            writer = csv.DictWriter(file, fieldnames=COLUMNS)
-            writer.writeheader()
-            writer.writerows(
-                {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()}
-                for row in rows
-            )
+        write_rows(rows, given.output)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Put a study where the notebooks, the dashboard and README show it.
 
     toonkit study run -o study/
-    python benchmarks/publish_study.py study/
+    python -m benchmarks.publish_study study/
 
 Writes the table as `notebooks/study/trials.csv` with its provenance beside it, the means into README, and the errors of all
 trials as `notebooks/figures/study.png`.

@@ -1,6 +1,6 @@
 """Speed and memory of the analysis, side by side in one process.
 
-    python benchmarks/speed.py -o benchmarks/results/speed.csv
+    python -m benchmarks.speed -o benchmarks/results/speed.csv
 
 For each size: a disc and the silhouette of a cat, painted in four soft tones. Medians over repeats after one warm-up run, so
 that compiling and caching do not count. Machines are noisy: read the times as ratios to those beside them.

@@ -1,6 +1,6 @@
 """What more sweeps would buy the paper's method, whose text does not say how many it was given.
 
-    python benchmarks/sweeps.py -o notebooks/study/sweeps.csv
+    python -m benchmarks.sweeps -o notebooks/study/sweeps.csv
 
 Runs `todo` with its published weights on six shapes x two color maps at 512², stopped after more and more sweeps, and writes
 the mean errors and the energy of Eq. 5, as a share of that of the initial normals.

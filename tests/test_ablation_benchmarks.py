@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +11,8 @@ import pandas as pd
 import pytest
 
 import toonkit
-from benchmarks import ablation, lights
+from benchmarks import ablation, inflations, lights
+from benchmarks.shape_rows import measured_rows
 from toonkit.estimation.light_fit import LightEstimate
 from toonkit.estimation.refinement import RefinementOptions
 from toonkit.estimation.shape_prior import correct_shape
@@ -102,16 +105,10 @@ def test_the_command_writes_a_row_for_each_variant_shape_and_color_map(tmp_path,
     assert f"| todo | {mean:.4g} |" in printed
 
 
-def test_workers_measure_the_same(monkeypatch):
-    for library in ("OMP", "OPENBLAS", "MKL"):
-        monkeypatch.setenv(f"{library}_NUM_THREADS", "1")  # which the benchmark would leave behind
-    here, there = (
-        pd.DataFrame(
-            [row for of in ablation.all_measured(["torus"], ["ocean"], SMALL, workers=workers) for row in of]
-        )
-        for workers in (0, 1)
-    )
-    pd.testing.assert_frame_equal(here[NOT_TIMED], there[NOT_TIMED], rtol=1e-4)
+def test_workers_measure_the_same():
+    work = functools.partial(ablation.measured, color_maps=["ocean"], settings=SMALL)
+    here, there = (measured_rows(work, ["torus"], workers=workers)[NOT_TIMED] for workers in (0, 1))
+    pd.testing.assert_frame_equal(here, there, rtol=1e-4)
 
 
 def test_a_trial_that_fails_ends_the_benchmark_by_name(monkeypatch):
@@ -121,6 +118,55 @@ def test_a_trial_that_fails_ends_the_benchmark_by_name(monkeypatch):
     monkeypatch.setitem(toonkit.METHODS, "todo", broken)
     with pytest.raises(RuntimeError, match="torus--ocean--todo--given: ValueError: no shape in sight"):
         ablation.measured("torus", ["ocean"], SMALL)
+
+
+BALL = render_shape(SHAPES["sphere"], 96)
+PICTURE = toonkit.ToonImage(np.full((96, 96, 3), 0.5), BALL.mask, alpha=BALL.coverage)
+
+
+@pytest.mark.parametrize("name", [name for name in inflations.INFLATIONS if name != "multi-scale"])
+def test_a_disc_is_inflated_to_a_half_sphere(name):
+    found = inflations.INFLATIONS[name](PICTURE)
+    assert toonkit.angular_error(found, BALL.normals).mean < 1.0
+
+
+def test_scales_that_forget_the_outline_flatten_the_middle_of_a_disc():
+    flat = inflations.multi_scale(PICTURE).vectors
+    round_one = inflations.poisson(PICTURE).vectors
+    middle = BALL.mask & (BALL.normals.vectors[..., 2] > 0.7)
+    assert flat[middle][:, 2].mean() > round_one[middle][:, 2].mean() + 0.02
+
+
+@pytest.mark.parametrize("name", list(inflations.INFLATIONS))
+def test_inflations_look_outward_and_are_turned_with_the_silhouette(name):
+    truth = render_shape(SHAPES["pear"], 64)
+    inflation = inflations.INFLATIONS[name]
+
+    def inflated(mask, alpha):
+        return inflation(toonkit.ToonImage(np.full((*mask.shape, 3), 0.5), mask, alpha=alpha)).vectors
+
+    upright = inflated(truth.mask, truth.coverage)
+    turned = inflated(np.rot90(truth.mask), np.rot90(truth.coverage))
+    x, y, z = np.moveaxis(np.rot90(upright), -1, 0)
+    np.testing.assert_allclose(turned, np.stack([-y, x, z], axis=-1), atol=2e-6)
+    assert np.nanmin(upright[..., 2]) >= 0
+
+
+def test_a_refined_inflation_explains_more_of_the_picture(painting):
+    alone, refined = (
+        inflations.started(painting.image, painting.light, inflation=inflations.medial, refined=refined)
+        for refined in (False, True)
+    )
+    errors = [toonkit.color_rmse(found.picture, painting.image) for found in (alone, refined)]
+    assert errors[1] < 0.7 * errors[0]
+
+
+def test_the_harmonic_variants_are_lumo_and_classical(painting):
+    for refined, method in ((False, "lumo"), (True, "classical")):
+        ours = inflations.started(
+            painting.image, painting.light, inflation=inflations.harmonic, refined=refined
+        )
+        assert np.array_equal(vectors(ours), vectors(toonkit.METHODS[method](painting.image, painting.light)))
 
 
 def test_the_lights_stand_all_around_and_three_at_each_elevation():
@@ -173,27 +219,34 @@ def test_the_command_writes_a_row_for_each_picture(tmp_path, monkeypatch, capsys
     assert all(row in printed for row in ("all pictures", "the surer half", "the rest", "elevation 47.5°"))
 
 
-@pytest.mark.parametrize("command", [ablation.main, lights.main])
+@pytest.mark.parametrize("command", [ablation.main, inflations.main, lights.main])
 def test_an_unknown_shape_is_refused_before_any_work(command, capsys):
     with pytest.raises(SystemExit):
         command(["--shapes", "unicorn"])
     assert "unicorn" in capsys.readouterr().err
 
 
-def test_the_committed_table_has_every_variant_on_the_same_pictures():
-    table = pd.read_csv(STUDY / "ablation.csv")
+@pytest.mark.parametrize("benchmark", [ablation, inflations], ids=["ablation", "inflations"])
+def test_the_committed_table_has_every_variant_on_all_shapes(benchmark):
+    table = pd.read_csv(STUDY / f"{benchmark.__name__.rpartition('.')[2]}.csv")
     assert list(table.columns) == list(ablation.COLUMNS)
-    assert list(dict.fromkeys(table["variant"])) == list(ablation.variants(load_color_maps()["ocean"]))
-    pictures = table.groupby("variant")[["shape", "color_map"]].apply(
-        lambda of: sorted(map(tuple, of.to_numpy()))
-    )
-    assert all(of == pictures.iloc[0] for of in pictures)
+    names = list(benchmark.variants(load_color_maps()["ocean"]))
+    assert list(dict.fromkeys(table["variant"])) == names
+    assert set(table["size"]) == {256}
+    expected = set(itertools.product(names, SHAPES, ablation.COLOR_MAP_NAMES))
+    assert set(table[["variant", "shape", "color_map"]].itertuples(index=False, name=None)) == expected
+    assert len(table) == len(expected)
 
 
 def test_the_committed_lights_are_those_of_the_benchmark():
     table = pd.read_csv(STUDY / "lights.csv")
     assert list(table.columns) == list(lights.COLUMNS)
-    asked = table.groupby(["shape", "color_map"])[["azimuth", "elevation"]].apply(
-        lambda of: [tuple(row) for row in of.to_numpy()]
-    )
-    assert all(of == list(lights.LIGHTS) for of in asked)
+    assert set(table["size"]) == {256}
+    asked = ["shape", "color_map", "azimuth", "elevation"]
+    expected = {
+        (*names, *angles)
+        for names in itertools.product(SHAPES, load_color_maps())
+        for angles in lights.LIGHTS
+    }
+    assert set(table[asked].itertuples(index=False, name=None)) == expected
+    assert len(table) == len(expected)

@@ -159,7 +159,7 @@ def test_probability_is_the_share_of_draws_of_a_von_mises_fisher_distribution(ka
 
 
 def test_answers_that_agree_are_as_sure_together_as_each_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(light_prior, "load_weights", dict)
+    monkeypatch.setattr(light_prior, "read_weights", lambda name: {})
     monkeypatch.setattr(light_prior, "summary", brightest_side)
     belief = believed_light(*picture())
     assert belief.concentration == pytest.approx(0.05 + np.exp(3), rel=1e-4)
@@ -175,7 +175,7 @@ def test_answers_that_agree_are_as_sure_together_as_each_alone(monkeypatch: pyte
 def test_answers_that_do_not_turn_with_the_drawing_cancel_and_are_not_sure(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(light_prior, "load_weights", dict)
+    monkeypatch.setattr(light_prior, "read_weights", lambda name: {})
     monkeypatch.setattr(light_prior, "summary", lambda weights, seen: np.array([3.0, 0.0, 3.0, 8.0]))
     belief = believed_light(*picture())
     assert belief.light == pytest.approx([0, 0, 1], abs=1e-12)
@@ -186,7 +186,7 @@ def test_answers_that_do_not_turn_with_the_drawing_cancel_and_are_not_sure(
 def test_the_light_turns_with_the_picture_whatever_the_network_is(
     quarters: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(light_prior, "load_weights", random_weights)
+    monkeypatch.setattr(light_prior, "read_weights", lambda name: random_weights())
     straight, turned_picture = believed_light(*picture()), believed_light(*picture(quarters))
     assert np.hypot(*straight.light[:2]) > 0.5  # there is something to turn
     assert turned_picture.light == pytest.approx(turned_vectors(straight.light, quarters), abs=1e-4)
@@ -196,7 +196,7 @@ def test_the_light_turns_with_the_picture_whatever_the_network_is(
 def test_of_a_line_thinner_than_the_squares_pixels_something_is_believed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(light_prior, "load_weights", random_weights)
+    monkeypatch.setattr(light_prior, "read_weights", lambda name: random_weights())
     mask = np.zeros((31, 640), bool)
     mask[15, 10:630] = True
     initial = inflate(mask)

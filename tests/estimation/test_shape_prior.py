@@ -8,7 +8,7 @@ import pytest
 from tests.analytic import SOFT, TWO_TONE, Ellipse, ellipse, painted
 from toonkit import NormalField, ToonImage, angular_error, inflate, light_direction
 from toonkit.estimation import shape_prior
-from toonkit.estimation.shape_prior import CHANNELS, LOOKS, completed, correct_shape, features
+from toonkit.estimation.shape_prior import CHANNELS, LOOKS, VIEWS, completed, correct_shape, features
 from toonkit.estimation.working_square import SIZE
 
 ELEVATION = np.deg2rad(38)
@@ -152,7 +152,7 @@ def test_completed_vectors_are_unit_and_face_the_viewer() -> None:
 def test_a_network_that_answers_nothing_leaves_the_normals_as_they_are(
     looks: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(shape_prior, "load_weights", dict)
+    monkeypatch.setattr(shape_prior, "read_weights", lambda name: {})
     monkeypatch.setattr(shape_prior, "field", answering((0, 0, 0)))
     shape = cut_ellipse(60, 41)
     initial = inflate(shape.mask)
@@ -162,7 +162,7 @@ def test_a_network_that_answers_nothing_leaves_the_normals_as_they_are(
 
 
 def test_normals_that_explain_the_picture_are_left_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(shape_prior, "load_weights", dict)
+    monkeypatch.setattr(shape_prior, "read_weights", lambda name: {})
     monkeypatch.setattr(shape_prior, "field", answering((0.3, 0.4, 0)))
     shape = cut_ellipse(60, 41)
     image = painted(shape.normals, TWO_TONE, light=LIGHT)
@@ -176,7 +176,7 @@ def test_normals_that_explain_the_picture_are_left_as_they_are(monkeypatch: pyte
 def test_an_answer_along_the_squares_rows_leans_normals_toward_the_light(
     azimuth: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(shape_prior, "load_weights", dict)
+    monkeypatch.setattr(shape_prior, "read_weights", lambda name: {})
     monkeypatch.setattr(shape_prior, "field", answering((0.3, 0, 0)))
     shape = cut_ellipse(60, 41)
     light, initial = light_direction(azimuth, 40), inflate(shape.mask)
@@ -196,23 +196,31 @@ def test_at_the_second_look_the_network_sees_its_first_answer(monkeypatch: pytes
         looks.append(seen.copy())
         return np.broadcast_to(np.float32([0.3, 0, 0])[:, None, None], (3, SIZE, SIZE))
 
-    monkeypatch.setattr(shape_prior, "load_weights", dict)
+    monkeypatch.setattr(shape_prior, "read_weights", lambda name: {})
     monkeypatch.setattr(shape_prior, "field", field)
     shape = cut_ellipse(60, 41)
     correct_shape(painted(shape.normals, SOFT), LIGHT, inflate(shape.mask))
-    assert len(looks) == 2 * LOOKS
-    _, first, _, second = looks  # each after that of the mirror image
-    assert np.array_equal(first[1:4], first[4:7])
-    assert np.array_equal(second[4:7], first[4:7])
-    expected = completed(first[1:4, first[0] == 1].T + np.array([0.3, 0, 0]))
-    assert np.allclose(second[1:4, first[0] == 1].T, expected, atol=1e-6)
+    assert len(looks) == LOOKS * len(VIEWS)
+    for view in range(len(VIEWS)):
+        first, second = looks[LOOKS * view : LOOKS * (view + 1)]
+        assert np.array_equal(first[1:4], first[4:7])
+        assert np.array_equal(second[4:7], first[4:7])
+        expected = completed(first[1:4, first[0] == 1].T + np.array([0.3, 0, 0]))
+        assert np.allclose(second[1:4, first[0] == 1].T, expected, atol=1e-6)
+
+
+def test_half_of_the_views_are_mirrored_and_every_one_is_larger() -> None:
+    widths, mirrored = zip(*VIEWS, strict=True)
+    assert sum(mirrored) * 2 == len(VIEWS)
+    assert widths[0] == 1
+    assert (np.diff(widths) > 0).all()
 
 
 @pytest.mark.parametrize("quarters", [1, 2, 3])
 def test_the_answer_turns_with_picture_and_light_whatever_the_network_is(
     quarters: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(shape_prior, "load_weights", random_weights)
+    monkeypatch.setattr(shape_prior, "read_weights", lambda name: random_weights())
     assert_turns_along(quarters, tolerance=0.01)
 
 
@@ -231,7 +239,7 @@ def assert_turns_along(quarters: int, *, tolerance: float) -> None:
 def test_a_line_thinner_than_the_squares_pixels_keeps_its_normals(
     azimuth: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(shape_prior, "load_weights", random_weights)
+    monkeypatch.setattr(shape_prior, "read_weights", lambda name: random_weights())
     mask = np.zeros((31, 640), bool)
     mask[15, 10:630] = True
     initial = inflate(mask)

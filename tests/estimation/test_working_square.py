@@ -25,13 +25,13 @@ def numbered(mask: np.ndarray) -> np.ndarray:
     return np.arange(1.0, mask.size + 1).reshape(mask.shape)
 
 
-def around(mask: np.ndarray, azimuth: float = 0, elevation: float = 40) -> WorkingSquare:
-    return WorkingSquare.around(mask, light_direction(azimuth, elevation))
+def around(mask: np.ndarray, azimuth: float = 0) -> WorkingSquare:
+    return WorkingSquare.around(mask, light_direction(azimuth, 40)[:2])
 
 
 def straight(width: float) -> WorkingSquare:
     middle = (width - 1) / 2
-    return WorkingSquare(row=middle, column=middle, width=width, cosine=1.0, sine=0.0, elevation=0.5)
+    return WorkingSquare(row=middle, column=middle, width=width, cosine=1.0, sine=0.0)
 
 
 def test_a_square_as_fine_as_the_picture_shows_its_pixels() -> None:
@@ -104,15 +104,13 @@ def test_turned_and_turned_back_undo_each_other(azimuth: float) -> None:
 
 @pytest.mark.parametrize("azimuth", AZIMUTHS)
 def test_in_the_square_the_light_comes_from_the_right(azimuth: float) -> None:
-    square = around(lopsided(), azimuth, 25)
-    assert square.elevation == pytest.approx(np.deg2rad(25))
+    square = around(lopsided(), azimuth)
     assert square.turned(light_direction(azimuth, 25)) == pytest.approx(light_direction(0, 25), abs=1e-14)
 
 
 def test_a_light_from_straight_ahead_turns_nothing() -> None:
-    square = WorkingSquare.around(lopsided(), np.array([0.0, 0.0, 1.0]))
+    square = WorkingSquare.around(lopsided(), np.array([0.0, 0.0]))
     assert (square.cosine, square.sine) == (1.0, 0.0)
-    assert square.elevation == pytest.approx(np.pi / 2)
 
 
 @pytest.mark.parametrize("azimuth", [0, 37, 143])
@@ -162,3 +160,11 @@ def test_every_pixel_of_the_object_lies_in_the_square(seed: int) -> None:
     rows, columns = np.nonzero(mask)
     places = np.stack([columns - square.column, square.row - rows, 0 * rows], axis=-1)
     assert np.abs(square.turned(places)[:, :2]).max() < square.width / 2 * FILL + 1e-9
+
+
+def test_a_wider_square_sees_the_object_smaller_around_the_same_center() -> None:
+    square = around(lopsided(), 30)
+    wider = square.widened(1.25)
+    assert (wider.row, wider.column, wider.cosine) == (square.row, square.column, square.cosine)
+    share = wider.sampled(lopsided()).sum() / square.sampled(lopsided()).sum()
+    assert share == pytest.approx(1 / 1.25**2, rel=0.03)

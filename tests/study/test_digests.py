@@ -15,16 +15,22 @@ import trimesh
 from toonkit import METHODS, ColorMap
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.digests import (
+    CODE,
+    LEARNED,
+    LEARNED_DIGESTS,
     MEASURED_BY,
     PACKAGE,
     code_digest,
     color_map_digest,
+    learned_digest,
+    light_track_digests,
     method_digest,
     subject_digest,
 )
 from toonkit.study.registry import View
 from toonkit.study.shapes import SHAPES
 from toonkit.study.subjects import MeshShape
+from toonkit.study.trials import LIGHT_TRACKS
 
 BALL = trimesh.creation.icosphere(subdivisions=1)
 
@@ -50,15 +56,53 @@ def test_the_digest_of_the_code_follows_the_code_and_not_its_words(tmp_path):
     assert code_digest(copy) != original
 
 
-def test_the_digest_of_the_code_follows_the_learned_weights(tmp_path):
+@pytest.mark.parametrize("learned", LEARNED)
+def test_what_was_learned_has_a_digest_of_its_own(learned, tmp_path):
     copy = tmp_path / "toonkit"
     shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    weights = sorted((copy / "estimation" / "weights").glob("*.npz"))
-    assert [path.stem for path in weights] == ["light_prior", "shape_prior"]
-    for path in weights:
-        before = code_digest(copy)
-        path.write_bytes(path.read_bytes() + b" ")
-        assert code_digest(copy) != before
+    before = {name: learned_digest(name, copy) for name in LEARNED}
+    assert before == LEARNED_DIGESTS
+    weights = copy / "estimation" / "weights" / f"{learned}_prior.npz"
+    weights.write_bytes(weights.read_bytes() + b" ")
+    changed = {name for name in LEARNED if learned_digest(name, copy) != before[name]}
+    assert changed == {learned}
+    code = copy / "estimation" / "convolution.py"
+    code.write_text(code.read_text() + "\nSTEP = 1\n")
+    assert {name for name in LEARNED if learned_digest(name, copy) != before[name]} == set(LEARNED)
+    assert code_digest(copy) == CODE
+
+
+def test_all_code_of_the_estimation_has_a_digest():
+    known = set((PACKAGE / "estimation").glob("*.py"))
+    learned = {PACKAGE / name for names in LEARNED.values() for name in names}
+    assert {path.name for path in learned if path.parent.name == "estimation"} == {
+        "convolution.py",
+        "light_fit.py",
+        "light_prior.py",
+        "shape_prior.py",
+        "tone_ranks.py",
+        "working_square.py",
+    }
+    assert all(path.exists() for path in learned)
+    assert "estimation" in MEASURED_BY
+    assert known - learned
+
+
+@pytest.mark.parametrize(("learned", "asking"), [("shape", {"toonkit"}), ("light", set())])
+def test_a_method_depends_on_what_it_asks_of_the_learned(learned, asking, monkeypatch):
+    methods = {**METHODS, "mine": made(1)}
+    before = {name: method_digest(method) for name, method in methods.items()}
+    monkeypatch.setitem(LEARNED_DIGESTS, learned, "other weights")
+    changed = {name for name, method in methods.items() if method_digest(method) != before[name]}
+    assert changed == asking | {"mine"}
+
+
+def test_only_an_estimated_light_depends_on_what_was_learned_of_lights(monkeypatch):
+    before = light_track_digests()
+    monkeypatch.setitem(LEARNED_DIGESTS, "light", "other weights")
+    after = light_track_digests()
+    assert set(before) == set(LIGHT_TRACKS)
+    assert {track for track in LIGHT_TRACKS if before[track] != after[track]} == {"estimated"}
 
 
 def test_shapes_meshes_views_and_color_maps_are_told_apart():

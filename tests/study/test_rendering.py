@@ -143,7 +143,7 @@ def test_a_picture_shows_the_same_at_every_size() -> None:
 @pytest.mark.parametrize("size", [15, 48.0, True, "64"])
 def test_sizes_that_are_no_picture_are_refused(size: object) -> None:
     with pytest.raises(ToonkitError, match="size must be a whole number of pixels, at least 16"):
-        render_shape(SHAPES["sphere"], size)  # type: ignore[arg-type]
+        render_shape(SHAPES["sphere"], size)
 
 
 def test_a_mesh_of_a_sphere_has_the_normals_of_a_sphere() -> None:

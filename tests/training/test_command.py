@@ -160,11 +160,11 @@ def test_shapes_kept_aside_are_never_trained_on(output: Path, monkeypatch: pytes
     advance, task = Training.advance, command.TASKS["light"]
     figures = task.figures
 
-    def watched_advance(training, drawings):  # type: ignore[no-untyped-def]
+    def watched_advance(training, drawings):
         seen["trained"].add((drawings.first, drawings.last))
         return advance(training, drawings)
 
-    def watched_figures(self, average, drawings, count):  # type: ignore[no-untyped-def]
+    def watched_figures(self, average, drawings, count):
         seen["figures"].add((drawings.first, drawings.last))
         return figures(self, average, drawings, count)
 
@@ -177,17 +177,18 @@ def test_shapes_kept_aside_are_never_trained_on(output: Path, monkeypatch: pytes
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"shapes": 2}, "--shapes must be more than the 2 kept aside; got 2"),
-        ({"shapes": -5}, "--shapes must be more than the 2 kept aside; got -5"),
-        ({"steps": 0}, "--steps, --batch must be at least 1 and 4; got (0, 4)"),
-        ({"batch": 3}, "--steps, --batch must be at least 1 and 4; got (5, 3)"),
-        ({"workers": 0}, "--workers"),
-        ({"seed": -1}, "--seed"),
-        ({"shape_seed": -1}, "--shape-seed"),
+        ({"shapes": 2}, "--shapes must be at least 3; got 2"),
+        ({"shapes": -5}, "--shapes must be at least 3; got -5"),
+        ({"steps": 0}, "--steps must be at least 1; got 0"),
+        ({"batch": 3}, "--batch must be at least 4; got 3"),
+        ({"workers": 0}, "--workers must be at least 1; got 0"),
+        ({"seed": -1}, "--seed must be at least 0; got -1"),
+        ({"shape_seed": -1}, "--shape-seed must be at least 0; got -1"),
+        ({"start": "nowhere.pt"}, "--start must be a checkpoint that exists; got nowhere.pt"),
     ],
 )
 def test_bad_arguments_are_refused_in_one_line(
-    options: dict[str, int], words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    options: dict[str, object], words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run("shape", tmp_path / "new", **options) == 2
     said = capsys.readouterr().err.splitlines()
@@ -203,6 +204,33 @@ def test_an_output_that_is_a_file_is_refused_in_one_line(
     (tmp_path / "file").write_text("in the way")
     assert run("shape", tmp_path / "file") == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+@KINDS
+def test_a_training_started_from_another_says_so(kind: str, output: Path, tmp_path_factory) -> None:
+    run(kind, output, shape_seed=3)
+    second = tmp_path_factory.mktemp("second")
+    (second / "shapes").symlink_to(output / "shapes", target_is_directory=True)
+    assert run(kind, second, steps=3, shape_seed=3, start=output / f"{kind}_prior.pt") == 0
+    first, made = (
+        json.loads((folder / f"{kind}_prior.json").read_text(encoding="utf-8")) for folder in (output, second)
+    )
+    assert "--start CHECKPOINT" in made["command"]
+    (earlier,) = made["started from"]
+    assert earlier["command"] == first["command"]
+    figures = "figures, degrees, on shapes kept aside"
+    assert earlier[figures] == first[figures]
+    assert "started from" not in first
+
+
+def test_a_checkpoint_of_another_task_is_no_start(output: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run("light", output)
+    capsys.readouterr()
+    assert run("shape", output, start=output / "light_prior.pt") == 2
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert (
+        said == "toonkit.training: start must be a checkpoint of the shape_prior; got one of the light_prior"
+    )
 
 
 @pytest.mark.parametrize("changed", [{"seed": 8}, {"batch": 5}, {"steps": 9}])

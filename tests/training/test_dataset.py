@@ -27,7 +27,7 @@ def small_shards(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def made(folder: Path, count: int = 3, seed: int = 5, workers: int = 1) -> Dataset:
-    return make_dataset(folder, count, seed, workers=workers, progress=lambda shards: shards)
+    return make_dataset(folder, count, seed, workers=workers, progress=lambda shards, count: shards)
 
 
 def same(first: Dataset, second: Dataset) -> bool:
@@ -83,7 +83,7 @@ def test_another_seed_makes_other_shapes_and_no_two_are_alike(tmp_path: Path) ->
 def test_progress_sees_every_shard_once(tmp_path: Path) -> None:
     seen: list[int] = []
 
-    def watched(shards):  # type: ignore[no-untyped-def]
+    def watched(shards):
         for shard in shards:
             seen.append(shard)
             yield shard

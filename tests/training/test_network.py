@@ -37,7 +37,7 @@ def answer_of(network: nn.Module, seen: Array) -> Array:
         return np.asarray(network(torch.from_numpy(seen)[None])[0].numpy())
 
 
-class Watched(dict):  # type: ignore[type-arg]
+class Watched(dict):
     """Weights that remember which of them were asked for."""
 
     def __init__(self, weights: Weights) -> None:
@@ -62,7 +62,7 @@ ROUNDING = (
     ],
     ids=["shape", "light"],
 )
-def test_exported_arrays_answer_as_the_network_does(network, channels, run) -> None:  # type: ignore[no-untyped-def]
+def test_exported_arrays_answer_as_the_network_does(network, channels, run) -> None:
     trained, seen = as_if_trained(network()), random_features(channels)
     weights = Watched(exported(trained))
     expected, answer = answer_of(trained, seen), run(weights, seen)

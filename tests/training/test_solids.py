@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,18 +15,19 @@ import pytest
 from scipy import ndimage
 
 from toonkit import training
+from toonkit.training.rendering import MARGIN, SUBPIXELS, Rendered, render_solid
 from toonkit.training.solids import (
     BOX,
     CAPSULE,
     CONE,
     ELLIPSOID,
-    MARGIN,
-    SUBPIXELS,
+    FAMILIES,
+    REACH,
     TORUS,
-    Rendered,
+    Family,
     Solid,
     random_solid,
-    render_solid,
+    turned_on_a_lathe,
 )
 
 FRAME = 0.013  # of a picture's width: the silhouette's ends are looked for in steps that small
@@ -297,10 +299,50 @@ def test_all_kinds_of_solids_are_drawn() -> None:
         [len(shape.waves) > 0 for shape in solids],
         [bool((shape.widths < 0).any()) for shape in solids],
     ):
-        assert 0.05 < np.mean(share) < 0.6
+        assert 0.03 < np.mean(share) < 0.6
     turns = np.concatenate([[shape.view] for shape in solids] + [shape.turns for shape in solids])
     assert np.allclose(turns @ turns.transpose(0, 2, 1), np.eye(3), atol=1e-9)
     assert np.allclose(np.linalg.det(turns), 1)
+
+
+FAMILY = pytest.mark.parametrize(
+    "family", [family for family, _ in FAMILIES], ids=[family.__name__ for family, _ in FAMILIES]
+)
+
+
+def test_the_shares_of_the_families_sum_to_one() -> None:
+    assert sum(share for _, share in FAMILIES) == pytest.approx(1)
+
+
+@FAMILY
+def test_a_family_stays_within_reach_of_the_rays(family: Family) -> None:
+    seen = 0
+    for seed in range(40):
+        shape = family(np.random.default_rng(seed))
+        far = np.linalg.norm(shape.centers, axis=1) + np.linalg.norm(shape.sizes[:, :3], axis=1)
+        assert far[shape.widths > 0].max() < REACH * np.sqrt(2)
+        seen += render_solid(shape, 32) is not None
+    assert seen > 30
+
+
+@FAMILY
+def test_no_two_solids_of_a_family_are_alike(family: Family) -> None:
+    first, second, again = (family(np.random.default_rng(seed)) for seed in (1, 2, 1))
+    assert np.array_equal(first.sizes, again.sizes)
+    assert first.sizes.shape != second.sizes.shape or not np.array_equal(first.sizes, second.sizes)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_body_of_revolution_looks_the_same_from_all_around(seed: int) -> None:
+    """Those without a handle or features: all parts stand unturned on one axis."""
+    rng = np.random.default_rng(seed)
+    while True:
+        shape = turned_on_a_lathe(rng)
+        if not shape.centers[:, [0, 2]].any() and len({turn.tobytes() for turn in shape.turns}) == 1:
+            break
+    pictures = [rendered(replace(shape, view=about(1, angle)), 48) for angle in (0.0, 1.0)]
+    assert np.array_equal(pictures[0].mask, pictures[1].mask)
+    np.testing.assert_allclose(pictures[0].normals, pictures[1].normals, atol=2e-2)
 
 
 def test_a_solid_hardly_to_be_seen_is_no_picture() -> None:
@@ -313,7 +355,7 @@ def test_training_knows_nothing_of_the_shapes_and_colors_of_the_study() -> None:
     code = f"import sys, {modules}; print(*(name for name in sys.modules if name.startswith('toonkit')))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     loaded = done.stdout.split()
-    assert "toonkit.training.solids" in loaded
+    assert {"toonkit.training.solids", "toonkit.training.rendering"} <= set(loaded)
     assert [name for name in loaded if name.startswith("toonkit.study")] == []
     # The rest of training would load PyTorch, which takes seconds: its imports are read instead.
     sources = [path.read_text(encoding="utf-8") for path in Path(training.__file__).parent.glob("*.py")]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ TASKS = pytest.mark.parametrize("task", [ShapeTask, LightTask], ids=["shape", "l
 
 
 def options(steps: int = 6, **others: float) -> TrainingOptions:
-    return TrainingOptions(**{"steps": steps, "batch": 4, "warmup": 2, **others})  # type: ignore[arg-type]
+    return TrainingOptions(**{"steps": steps, "batch": 4, "warmup": 2, **others})
 
 
 def drawings(count: int = 3) -> Drawings:
@@ -81,7 +82,7 @@ def differences(first: Training, second: Training) -> list[str]:
 
 
 @TASKS
-def test_a_training_repeats_itself(task, monkeypatch: pytest.MonkeyPatch) -> None:  # type: ignore[no-untyped-def]
+def test_a_training_repeats_itself(task, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shape_task, "SECOND_LOOK_FROM", 1)
     first, second = (advanced(Training(task(), options()), 3) for _ in range(2))
     assert differences(first, second) == []
@@ -89,7 +90,7 @@ def test_a_training_repeats_itself(task, monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 @TASKS
-def test_an_interrupted_training_goes_on_as_if_it_had_not_been(  # type: ignore[no-untyped-def]
+def test_an_interrupted_training_goes_on_as_if_it_had_not_been(
     task, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
@@ -161,6 +162,22 @@ def test_a_checkpoint_remembers_everything(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["light.pt"]
 
 
+def test_a_training_starts_from_the_average_of_another(tmp_path: Path) -> None:
+    first = advanced(Training(LightTask(), options()), 2)
+    first.save(tmp_path / "light.pt")
+    second = Training(LightTask(), options(seed=8))
+    second.start_from(tmp_path / "light.pt")
+    assert second.step == 0
+    for part in (second.network, second.average):
+        for name, value in part.state_dict().items():
+            assert torch.equal(value, first.average.state_dict()[name])
+    assert [made["options"]["seed"] for made in second.earlier] == [7]
+    advanced(second, 1).save(tmp_path / "second.pt")
+    third = Training(LightTask(), options())
+    third.start_from(tmp_path / "second.pt")
+    assert [(made["step"], made["options"]["seed"]) for made in third.earlier] == [(2, 7), (1, 8)]
+
+
 @pytest.mark.parametrize(
     ("task", "changed", "words"),
     [
@@ -171,7 +188,7 @@ def test_a_checkpoint_remembers_everything(tmp_path: Path) -> None:
         (LightTask, {"rate": 0.1}, r"rate must be 0\.002"),
     ],
 )
-def test_a_checkpoint_of_another_training_is_refused(task, changed, words, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+def test_a_checkpoint_of_another_training_is_refused(task, changed, words, tmp_path: Path) -> None:
     Training(LightTask(), options()).save(tmp_path / "light.pt")
     other = Training(task(), options(**changed))
     with pytest.raises(ToonkitError, match=words):
@@ -185,12 +202,12 @@ def test_a_checkpoint_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch
     training.save(path)
     before = path.read_bytes()
 
-    def full_disk(state: object, target: Path) -> None:
-        target.write_bytes(b"half of it")
+    def full_disk(state: object, file: BinaryIO) -> None:
+        file.write(b"half of it")
         raise OSError("no space left on device")
 
     monkeypatch.setattr(torch, "save", full_disk)
-    with pytest.raises(OSError, match="no space"):
+    with pytest.raises(ToonkitError, match="no space"):
         advanced(training, 1).save(path)
     assert path.read_bytes() == before
 
@@ -240,7 +257,7 @@ def test_the_likelihood_of_a_light_is_that_of_a_von_mises_fisher_distribution(ra
 
 
 @TASKS
-def test_figures_are_of_drawings_that_never_change(task) -> None:  # type: ignore[no-untyped-def]
+def test_figures_are_of_drawings_that_never_change(task) -> None:
     training = advanced(Training(task(), options()), 1)
     first, again = (training.task.figures(training.average, drawings(), 6) for _ in range(2))
     assert first == again

@@ -8,13 +8,13 @@ A small convolutional network sees the drawing on a square of `SIZE` pixels. It 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.color_map_fit import plain_tones
-from toonkit.estimation.convolution import Array, Weights, summary
+from toonkit.estimation.convolution import Array, summary
+from toonkit.estimation.tone_ranks import ToneRanks
 from toonkit.estimation.weights import read_weights
 from toonkit.estimation.working_square import WorkingSquare
 from toonkit.model.image import ToonImage
@@ -25,6 +25,9 @@ CHANNELS = 6
 
 LEAST_CONCENTRATION = 0.05
 """Of a belief that knows nothing: nearly the same for all directions."""
+
+CERTAINTIES = (-4.0, 8.0)
+"""Limits of the network's fourth number, the logarithm of a concentration."""
 
 TURNS = tuple((quarter, mirrored) for mirrored in (False, True) for quarter in range(4))
 """Quarter turns and reflections in which the network is asked; its answers are averaged."""
@@ -69,13 +72,13 @@ def believed_light(image: ToonImage, initial_normals: NormalField) -> LightBelie
     LightBelief
         Mean and concentration.
     """
-    square = WorkingSquare.around(image.mask, np.array([1.0, 0.0, 0.0]))
+    square = WorkingSquare.around(image.mask, np.array([1.0, 0.0]))
     mask = square.sampled(image.mask)
     if not mask.any():  # a line thinner than the square's pixels
         return LightBelief(np.array([0.0, 0.0, 1.0]), LEAST_CONCENTRATION)
     initial = square.sampled(np.nan_to_num(initial_normals.vectors))
     seen = features(square.sampled(np.nan_to_num(plain_tones(image))), mask, initial)
-    weights = load_weights()
+    weights = read_weights("light_prior")
     answers = [_undone(summary(weights, turned(seen, *turn)), *turn) for turn in TURNS]
     means = np.array([answer[:3] / np.linalg.norm(answer[:3]) for answer in answers])
     total = means.mean(axis=0)
@@ -103,22 +106,18 @@ def features(tones: Array, mask: BoolArray, initial_normals: Array) -> Array:
     ndarray of float32, shape (CHANNELS, SIZE, SIZE)
         Mask, N0, tone and rank, zero beside the object.
     """
-    painted = tones[mask]
-    level = np.rint(painted * 255).astype(np.intp)
-    upto = np.cumsum(np.bincount(level, minlength=256))
-    below = np.concatenate([[0], upto[:-1]])
-    darkest, brightest = float(painted.min()), float(painted.max())
+    ranks = ToneRanks.of(tones[mask])
     seen = np.zeros((CHANNELS, *mask.shape), np.float32)
     seen[0] = mask
     seen[1:4] = np.moveaxis(initial_normals, -1, 0)
-    seen[4][mask] = (painted - darkest) / max(brightest - darkest, 1e-3)
-    seen[5][mask] = (below[level] + upto[level]) / (2.0 * len(level))
+    seen[4][mask] = ranks.tone
+    seen[5][mask] = ranks.rank
     return seen * mask
 
 
 def concentration(raw: float) -> float:
     """Map the network's fourth number, any, to a concentration between 0.05 and some thousands."""
-    return float(LEAST_CONCENTRATION + np.exp(np.clip(raw, -4.0, 8.0)))
+    return float(LEAST_CONCENTRATION + np.exp(np.clip(raw, *CERTAINTIES)))
 
 
 def turned(seen: Array, quarters: int, mirrored: bool) -> Array:
@@ -139,9 +138,3 @@ def _undone(answer: Array, quarters: int, mirrored: bool) -> FloatArray:
     for _ in range(quarters):
         x, y = y, -x
     return np.array([-x if mirrored else x, y, z, certainty])
-
-
-@cache
-def load_weights() -> Weights:
-    """Read the weights that ship with the package."""
-    return read_weights("light_prior")

@@ -8,7 +8,6 @@ trained by `python -m toonkit.training` on shapes and color maps of its own; `we
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from scipy.ndimage import distance_transform_edt
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.color_map_fit import plain_tones
 from toonkit.estimation.convolution import Array, Weights, field
+from toonkit.estimation.tone_ranks import ToneRanks
 from toonkit.estimation.weights import read_weights
 from toonkit.estimation.working_square import WorkingSquare
 from toonkit.model.image import ToonImage
@@ -25,6 +25,10 @@ from toonkit.model.normals import NormalField
 
 LOOKS = 2
 """Times the network is asked: the second time it sees what its first answer makes of the colors."""
+
+VIEWS = ((1.0, False), (1.03, True), (1.06, False), (1.09, True))
+"""Squares on which it is asked: how much wider than the object needs, and whether mirrored across the light. The mean of the
+answers hangs less on where a square's pixels happen to lie."""
 
 CHANNELS = 14
 """Feature maps of `features`."""
@@ -55,26 +59,45 @@ def correct_shape(
     NormalField
         Corrected normals on the same mask.
     """
-    square = WorkingSquare.around(image.mask, light)
-    mask = square.sampled(image.mask)
-    if not mask.any():  # a line thinner than the square's pixels
-        return initial_normals
+    tones = np.nan_to_num(plain_tones(image))
+    changes = [
+        _seen_change(image.mask, tones, light, initial_normals, widened, mirrored=mirrored, looks=looks)
+        for widened, mirrored in VIEWS
+    ]
+    vectors = np.full((*image.mask.shape, 3), np.nan)
+    vectors[image.mask] = completed(initial_normals.vectors[image.mask] + np.mean(changes, axis=0))
+    return NormalField(vectors, image.mask)
+
+
+def _seen_change(
+    mask: BoolArray,
+    tones: FloatArray,
+    light: FloatArray,
+    initial_normals: NormalField,
+    widened: float,
+    *,
+    mirrored: bool,
+    looks: int,
+) -> FloatArray:
+    """Return the change of the object's normals, shape (P, 3), that the network asks for on one square."""
+    square = WorkingSquare.around(mask, light[:2]).widened(widened)
+    seen_mask = square.sampled(mask)
+    if not seen_mask.any():  # a line thinner than the square's pixels
+        return np.zeros((int(mask.sum()), 3))
+    seen_tones = square.sampled(tones)
     initial = square.turned(square.sampled(np.nan_to_num(initial_normals.vectors)))
-    tones = square.sampled(np.nan_to_num(plain_tones(image)))
+    elevation = float(np.arctan2(light[2], np.hypot(light[0], light[1])))
+    weights = read_weights("shape_prior")
     normals = initial
-    weights = load_weights()
-    seen = features(tones, mask, normals, initial, square.elevation)
+    seen = features(seen_tones, seen_mask, normals, initial, elevation)
     need = _need(seen)
     for look in range(looks):
         if look:
-            seen = features(tones, mask, normals, initial, square.elevation)
-        normals = completed(normals + _answer(weights, seen)) * mask[..., None]
+            seen = features(seen_tones, seen_mask, normals, initial, elevation)
+        normals = completed(normals + _answer(weights, seen, mirrored=mirrored)) * seen_mask[..., None]
     change = need * square.turned_back(normals - initial)
-    nearest = distance_transform_edt(~mask, return_distances=False, return_indices=True)
-    spread = square.spread(change[tuple(nearest)], image.mask)
-    vectors = np.full((*image.mask.shape, 3), np.nan)
-    vectors[image.mask] = completed(initial_normals.vectors[image.mask] + spread)
-    return NormalField(vectors, image.mask)
+    nearest = distance_transform_edt(~seen_mask, return_distances=False, return_indices=True)
+    return square.spread(change[tuple(nearest)], mask)
 
 
 def features(
@@ -102,33 +125,30 @@ def features(
     """
     sine, cosine = np.sin(elevation), np.cos(elevation)
     shining = cosine * normals[..., 0] + sine * normals[..., 2]
-    painted = tones[mask]
-    level = np.rint(painted * 255).astype(np.intp)
-    upto = np.cumsum(np.bincount(level, minlength=256))
-    below = np.concatenate([[0], upto[:-1]])
+    ranks = ToneRanks.of(tones[mask])
     ordered = np.sort(shining[mask])
-    darkest, brightest = float(painted.min()), float(painted.max())
     seen = np.zeros((CHANNELS, *mask.shape), np.float32)
     seen[0] = mask
     seen[1:4] = np.moveaxis(normals, -1, 0)
     seen[4:7] = np.moveaxis(initial_normals, -1, 0)
     seen[7] = shining
-    seen[8][mask] = ordered[below[level]]
-    seen[9][mask] = ordered[upto[level] - 1]
-    seen[10][mask] = (painted - darkest) / max(brightest - darkest, 1e-3)
-    seen[11][mask] = (below[level] + upto[level]) / (2.0 * len(level))
+    seen[8][mask] = ordered[ranks.below]
+    seen[9][mask] = ordered[ranks.upto - 1]
+    seen[10][mask] = ranks.tone
+    seen[11][mask] = ranks.rank
     seen[12], seen[13] = sine, cosine
     seen *= mask
     return seen
 
 
-def _answer(weights: Weights, seen: Array) -> Array:
-    """Return the change of the normals, shape (SIZE, SIZE, 3): the mean of the drawing's and of its mirror image's."""
-    mirrored = seen[:, ::-1].copy()
-    mirrored[[2, 5]] *= -1  # y of the normals
-    reflected = field(weights, mirrored)[:, ::-1].copy()
-    reflected[1] *= -1
-    change: Array = np.mean([field(weights, seen), reflected], axis=0, dtype=np.float32)
+def _answer(weights: Weights, seen: Array, *, mirrored: bool) -> Array:
+    """Return the change of the normals, shape (SIZE, SIZE, 3), asked of the drawing or of its mirror image."""
+    if not mirrored:
+        return np.moveaxis(field(weights, seen), 0, -1)
+    reflected = seen[:, ::-1].copy()
+    reflected[[2, 5]] *= -1  # y of the normals
+    change = field(weights, reflected)[:, ::-1].copy()
+    change[1] *= -1
     return np.moveaxis(change, 0, -1)
 
 
@@ -146,9 +166,3 @@ def completed(vectors: NDArray[Any]) -> NDArray[Any]:
     facing[..., 2] = np.maximum(facing[..., 2], 0.0)
     length = np.linalg.norm(facing, axis=-1, keepdims=True)
     return np.asarray(facing / np.maximum(length, 1e-9))
-
-
-@cache
-def load_weights() -> Weights:
-    """Read the weights that ship with the package."""
-    return read_weights("shape_prior")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -31,8 +31,6 @@ class WorkingSquare:
         Its side, in pixels of the picture.
     cosine, sine : float
         Of the azimuth along which its columns run.
-    elevation : float
-        Of the light, radians.
     """
 
     row: float
@@ -40,13 +38,12 @@ class WorkingSquare:
     width: float
     cosine: float
     sine: float
-    elevation: float
 
     @classmethod
-    def around(cls, mask: BoolArray, light: FloatArray) -> WorkingSquare:
-        """Fit the square to the object, its columns along the light's azimuth."""
-        sideways = float(np.hypot(light[0], light[1]))
-        cosine, sine = (light[0] / sideways, light[1] / sideways) if sideways > 1e-9 else (1.0, 0.0)
+    def around(cls, mask: BoolArray, direction: FloatArray) -> WorkingSquare:
+        """Fit the square to the object, its columns along a direction (x, y); along x if that has no length."""
+        length = float(np.hypot(*direction))
+        cosine, sine = direction / length if length > 1e-9 else (1.0, 0.0)
         rows, columns = np.nonzero(mask)
         along = columns * cosine - rows * sine  # image rows run against y
         across = columns * sine + rows * cosine
@@ -58,8 +55,11 @@ class WorkingSquare:
             width=float(width / FILL),
             cosine=float(cosine),
             sine=float(sine),
-            elevation=float(np.arctan2(light[2], sideways)),
         )
+
+    def widened(self, factor: float) -> WorkingSquare:
+        """Return a square so many times as wide around the same center."""
+        return replace(self, width=factor * self.width)
 
     def sampled(self, picture: NDArray[Any]) -> NDArray[Any]:
         """Take the picture's pixel nearest to each pixel of the square; zero beyond its edge."""

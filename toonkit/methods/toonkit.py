@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.refinement import refine
 from toonkit.estimation.shape_prior import correct_shape
-from toonkit.methods.steps import StepProgress, inflated
+from toonkit.methods.steps import INFLATED, StepProgress, inflated
 from toonkit.model.image import ToonImage
 
 
@@ -40,6 +40,8 @@ def toonkit(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None
     picture back: neither does as well alone.
     """
     steps = inflated(image, light, progress)
+    if progress is not None:
+        progress("correcting the shape", INFLATED / 2)
     corrected = correct_shape(image, steps.light, steps.initial_normals)
     refinement = refine(
         corrected, steps.light, steps.fitted_interval(corrected), alpha=image.alpha, progress=steps.refining

@@ -15,7 +15,7 @@ from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
 from toonkit.model.light import light_direction
 from toonkit.study.contestants import Contestant
-from toonkit.study.digests import CODE
+from toonkit.study.digests import EVERYTHING
 from toonkit.study.plan import StudyPlan
 from toonkit.study.rendering import RenderedShape
 from toonkit.study.subjects import Subject, render
@@ -53,7 +53,7 @@ class Cell:
     color_map: ColorMap
     methods: dict[str, Contestant]
     settings: StudySettings
-    code: str = CODE
+    code: str = EVERYTHING
     subject: Subject | None = None
 
     @classmethod
@@ -101,7 +101,7 @@ def rendered_or_error(subject: Subject | None, size: int) -> Truth:
 
 def measure(truth: Truth, cell: Cell) -> list[Record]:
     """Run the trials of a cell, on whatever machine; raises `ToonkitError` if that has other code."""
-    if cell.code != CODE:
+    if cell.code != EVERYTHING:
         raise ToonkitError(
             "workers must have this very toonkit; got another: install it there and start them anew"
         )

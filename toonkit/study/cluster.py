@@ -17,7 +17,7 @@ from typing import Any
 
 from toonkit._validation import ToonkitError, refuse
 from toonkit.study.cells import Cell, Outcome, measure, rendered_or_error
-from toonkit.study.digests import CODE
+from toonkit.study.digests import EVERYTHING
 from toonkit.study.record_store import LOST
 from toonkit.study.trials import Record
 
@@ -118,13 +118,13 @@ def _refuse_other_code(client: Any, scheduler: str) -> None:
         raise refuse(
             "scheduler", "must have workers", f"{scheduler} without any: start `dask worker {scheduler}`"
         )
-    strangers = [worker for worker, code in codes.items() if code != CODE]
+    strangers = [worker for worker, code in codes.items() if code != EVERYTHING]
     if strangers:
         raise refuse("scheduler", "must have workers with this very toonkit", f"{strangers[0]} with another")
 
 
 def _code() -> str:
-    return CODE
+    return EVERYTHING
 
 
 def _all_at_once(cells: Sequence[Cell], client: Any, suspects: list[Cell]) -> Iterator[Outcome]:

@@ -21,27 +21,55 @@ from toonkit.study.subjects import Subject
 
 PACKAGE = Path(toonkit.__file__).parent
 
+_NETWORKS = tuple(
+    f"estimation/{name}.py" for name in ("convolution", "tone_ranks", "working_square", "weights/__init__")
+)
+
+LEARNED = {
+    "shape": ("estimation/shape_prior.py", "estimation/weights/shape_prior.npz", *_NETWORKS),
+    "light": (
+        "estimation/light_prior.py", "estimation/light_fit.py", "estimation/weights/light_prior.npz", *_NETWORKS,
+    ),
+}  # fmt: skip
+"""What was learned, in `toonkit/`: trials depend on it only by a method that asks it, or by a light that is estimated."""
+
 MEASURED_BY = (
-    "_validation.py", "analysis.py", "metrics.py", "relighting.py", "model", "numerics", "methods/steps.py",
-    "estimation", "estimation/weights",
+    "_validation.py", "analysis.py", "metrics.py", "relighting.py", "model", "numerics", "methods/steps.py", "estimation",
     *(f"study/{name}" for name in ("contestants.py", "registry.py", "rendering.py", "subjects.py", "trials.py")),
     *(f"study/solids/{name}" for name in ("mesh_rays.py", "sphere_tracing.py")),
 )  # fmt: skip
-"""Modules and learned weights that every trial depends on, in `toonkit/`; methods and subjects have digests of their own."""
+"""Modules that every trial depends on, in `toonkit/`, but for `LEARNED`; methods and subjects have digests of their own."""
 
 _PROBES = np.random.default_rng(0).uniform(-BOUND, BOUND, (4096, 3))
 _PLAIN = (type(None), bool, int, float, complex, str, bytes)
 
 
 def code_digest(package: Path = PACKAGE) -> str:
-    """Return a digest of the code that measures, learned weights included: comments, docstrings, layout do not count."""
-    digest = hashlib.sha256()
+    """Return a digest of the code that measures every trial: comments, docstrings and layout do not count."""
+    learned = {package / name for names in LEARNED.values() for name in names}
+    files: list[Path] = []
     for name in MEASURED_BY:
         path = package / name
-        for file in sorted([*path.glob("*.py"), *path.glob("*.npz")]) if path.is_dir() else [path]:
-            content = file.read_bytes() if file.suffix == ".npz" else _bare(file).encode()
-            digest.update(f"{file.relative_to(package)}\n".encode() + content)
+        files += sorted(path.glob("*.py")) if path.is_dir() else [path]
+    return _digest_of([file for file in files if file not in learned], package)
+
+
+def learned_digest(name: str, package: Path = PACKAGE) -> str:
+    """Return a digest of what was learned of the "shape" or the "light": code and weights."""
+    return _digest_of([package / file for file in LEARNED[name]], package)
+
+
+def _digest_of(files: list[Path], package: Path) -> str:
+    digest = hashlib.sha256()
+    for file in files:
+        content = _bare(file).encode() if file.suffix == ".py" else file.read_bytes()
+        digest.update(f"{file.relative_to(package)}\n".encode() + content)
     return digest.hexdigest()
+
+
+def light_track_digests() -> dict[str, str]:
+    """Return, for each light track, a digest of what was learned that its trials depend on."""
+    return {"given": "", "estimated": LEARNED_DIGESTS["light"]}
 
 
 def subject_digest(subject: Subject) -> str:
@@ -65,12 +93,23 @@ def method_digest(method: object) -> str:
     Return a digest of a callable: its source, and what it closes over, calls beside itself, or was bound to.
 
     What it calls of toonkit is known by `CODE`, and of other packages by their versions. A method of toonkit itself is known
-    by its module.
+    by its module, and by what was learned that the module imports; any other may call all that was learned.
     """
     digest = hashlib.sha256()
+    for name in LEARNED:
+        if _may_ask(method, name):
+            digest.update(LEARNED_DIGESTS[name].encode())
     for part in _parts(method, {}):
         digest.update(f"{len(part)}:".encode() + part)
     return digest.hexdigest()
+
+
+def _may_ask(method: object, name: str) -> bool:
+    """Tell whether a method may call what was learned."""
+    if not (isinstance(method, types.FunctionType) and method.__module__.startswith("toonkit.")):
+        return True
+    file = sys.modules[method.__module__].__file__
+    return file is None or f"toonkit.estimation.{name}_prior" in Path(file).read_text(encoding="utf-8")
 
 
 def _parts(value: Any, seen: dict[int, Any]) -> Iterator[bytes]:
@@ -185,3 +224,9 @@ def _is_text(node: ast.AST) -> bool:
 
 CODE = code_digest()
 """Digest of the code that runs: taken when it was imported, whatever became of the files since."""
+
+LEARNED_DIGESTS = {name: learned_digest(name) for name in LEARNED}
+"""Digests of what was learned, taken likewise."""
+
+EVERYTHING = hashlib.sha256("".join([CODE, *LEARNED_DIGESTS.values()]).encode()).hexdigest()
+"""Digest of both, in which all processes of a run must agree."""

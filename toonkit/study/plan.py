@@ -11,7 +11,7 @@ from toonkit._validation import refuse
 from toonkit.model.color_map import ColorMap
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.contestants import Contestant, contestants
-from toonkit.study.digests import color_map_digest, method_digest, subject_digest
+from toonkit.study.digests import color_map_digest, light_track_digests, method_digest, subject_digest
 from toonkit.study.shapes import SHAPES
 from toonkit.study.subjects import MeshShape, Subject
 from toonkit.study.trials import LIGHT_TRACKS, LightTrack, StudySettings, Trial
@@ -60,6 +60,7 @@ class StudyPlan:
             "shape": {name: subject_digest(subject) for name, subject in self.subjects.items()},
             "color_map": {name: color_map_digest(value) for name, value in self.color_maps.items()},
             "method": {name: method_digest(contestant.analyze) for name, contestant in self.methods.items()},
+            "light_track": light_track_digests(),
         }
 
 

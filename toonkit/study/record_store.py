@@ -28,8 +28,8 @@ class RecordStore:
     folder : path
         The study's folder; the records lie in `records/` below it.
     sidecar : mapping
-        The study's provenance: its code, its settings, and the digests of its shapes, color maps and methods. A record that
-        was made with others is not one of this study any more.
+        The study's provenance: its code, its settings, and the digests of its shapes, color maps, methods and light tracks.
+        A record that was made with others is not one of this study any more.
     """
 
     def __init__(self, folder: Path, sidecar: Mapping[str, Any]) -> None:
@@ -83,5 +83,6 @@ class RecordStore:
             self._digests["shape"].get(trial.shape, ""),
             self._digests["color_map"].get(trial.color_map, ""),
             self._digests["method"].get(trial.method, ""),
+            self._digests["light_track"][trial.light_track],
         )
         return hashlib.sha256("\n".join(parts).encode()).hexdigest()

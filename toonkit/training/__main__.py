@@ -8,14 +8,17 @@ import platform
 import signal
 import sys
 from collections.abc import Callable
+from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 import numpy as np
 from tqdm import tqdm
 
 from toonkit._validation import ToonkitError, refuse
+from toonkit.export.atomic import atomic_write
 from toonkit.training.dataset import Dataset, make_dataset
 from toonkit.training.drawings import Drawings
 from toonkit.training.light_task import LightTask
@@ -52,23 +55,24 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
+    usual = TrainingOptions(steps=0)
     parser = argparse.ArgumentParser(prog="python -m toonkit.training", description=__doc__)
     parser.add_argument("task", choices=sorted(TASKS), help="what to learn")
     parser.add_argument(
         "-o", "--output", type=Path, required=True, help="folder of shapes, checkpoints and weights"
     )
+    parser.add_argument("--start", type=Path, help="checkpoint of an earlier training to begin with")
     parser.add_argument(
-        "--shapes", type=int, default=7000, help="random shapes to render (default: %(default)s)"
-    )
-    parser.add_argument("--shape-seed", type=int, default=1, help="seed of the shapes (default: %(default)s)")
-    parser.add_argument(
-        "--steps", type=int, help="steps of training (default: 3000 for the shape, 2000 for the light)"
+        "--shapes", type=int, default=usual.shapes, help="random shapes to render (default: %(default)s)"
     )
     parser.add_argument(
-        "--batch", type=int, help="drawings in a step (default: 32 for the shape, 64 for the light)"
+        "--shape-seed", type=int, default=usual.shape_seed, help="seed of the shapes (default: %(default)s)"
     )
+    for option, help_text in (("steps", "steps of training"), ("batch", "drawings in a step")):
+        defaults = ", ".join(f"{DEFAULTS[task][option]} for the {task}" for task in DEFAULTS)
+        parser.add_argument(f"--{option}", type=int, help=f"{help_text} (default: {defaults})")
     parser.add_argument(
-        "--seed", type=int, default=7, help="seed of weights and drawings (default: %(default)s)"
+        "--seed", type=int, default=usual.seed, help="seed of weights and drawings (default: %(default)s)"
     )
     parser.add_argument("--workers", type=int, default=2, help="processes that render (default: %(default)s)")
     return parser
@@ -78,13 +82,14 @@ def _train(given: argparse.Namespace) -> None:
     for option, default in DEFAULTS[given.task].items():
         if getattr(given, option) is None:
             setattr(given, option, default)
-    if given.shapes <= KEPT_ASIDE:
-        raise refuse("--shapes", f"must be more than the {KEPT_ASIDE} kept aside", given.shapes)
-    if given.steps < 1 or given.batch < 4:
-        raise refuse("--steps, --batch", "must be at least 1 and 4", (given.steps, given.batch))
-    for option in ("workers", "seed", "shape_seed"):
-        if getattr(given, option) < (option == "workers"):
-            raise refuse(f"--{option.replace('_', '-')}", "must not be so low", getattr(given, option))
+    least = {"shapes": KEPT_ASIDE + 1, "shape_seed": 0, "steps": 1, "batch": 4, "seed": 0, "workers": 1}
+    for option, lowest in least.items():
+        if getattr(given, option) < lowest:
+            raise refuse(
+                f"--{option.replace('_', '-')}", f"must be at least {lowest}", getattr(given, option)
+            )
+    if given.start is not None and not given.start.is_file():
+        raise refuse("--start", "must be a checkpoint that exists", given.start)
     if given.output.exists() and not given.output.is_dir():
         raise refuse("--output", "must be a folder", given.output)
     dataset = _dataset(given)
@@ -93,6 +98,8 @@ def _train(given: argparse.Namespace) -> None:
     checkpoint = given.output / f"{training.task.name}.pt"
     if checkpoint.exists():
         training.load(checkpoint)
+    elif given.start is not None:
+        training.start_from(given.start)
     stopping = _asked_to_stop()
     learned, aside = Drawings(dataset, KEPT_ASIDE, len(dataset)), Drawings(dataset, 0, KEPT_ASIDE)
     with tqdm(total=given.steps, initial=training.step, desc=f"training {given.task}", unit="step") as bar:
@@ -115,7 +122,7 @@ def _dataset(given: argparse.Namespace) -> Dataset:
         given.shapes,
         given.shape_seed,
         workers=given.workers,
-        progress=lambda shards: tqdm(shards, desc="rendering shapes", unit="shard"),
+        progress=lambda shards, count: tqdm(shards, total=count, desc="rendering shapes", unit="shard"),
     )
 
 
@@ -124,13 +131,8 @@ def _write_weights(given: argparse.Namespace, training: Training) -> None:
     name = training.task.name
     weights = {layer: values.astype(np.float16) for layer, values in exported(training.average).items()}
     path = given.output / f"{name}.npz"
-    unfinished = path.with_suffix(".part")
-    with unfinished.open("wb") as file:
-        np.savez(file, allow_pickle=False, **weights)
-    unfinished.replace(path)
-    provenance = {
-        "command": f"python -m toonkit.training {given.task} -o DIR --shapes {given.shapes} "
-        f"--shape-seed {given.shape_seed} --steps {given.steps} --batch {given.batch} --seed {given.seed}",
+    provenance: dict[str, Any] = {
+        "command": _command(given.task, asdict(training.options), given.start),
         "data": "random solids of toonkit.training.solids, painted by random color maps of toonkit.training.painting",
         "parameters": int(sum(values.size for values in weights.values())),
         "seconds": round(training.seconds),
@@ -138,8 +140,31 @@ def _write_weights(given: argparse.Namespace, training: Training) -> None:
         "versions": {package: version(package) for package in ("torch", "numpy")},
         "figures, degrees, on shapes kept aside": training.history,
     }
-    path.with_suffix(".json").write_text(json.dumps(provenance, indent=2) + "\n", encoding="utf-8")
+    if training.earlier:
+        provenance["started from"] = [
+            {
+                "command": _command(given.task, made["options"]),
+                "steps": made["step"],
+                "seconds": round(made["seconds"]),
+                "figures, degrees, on shapes kept aside": made["history"],
+            }
+            for made in training.earlier
+        ]
+    with atomic_write(path) as file:
+        np.savez(file, allow_pickle=False, **weights)
+    with atomic_write(path.with_suffix(".json")) as file:
+        file.write((json.dumps(provenance, indent=2) + "\n").encode())
     print(f"Weights in {path}; toonkit/estimation/weights/ is where they ship.")
+
+
+def _command(task: str, options: dict[str, Any], start: Path | None = None) -> str:
+    given = {
+        name: options[name] for name in ("shapes", "shape_seed", "steps", "batch", "seed") if name in options
+    }
+    words = [f"--{name.replace('_', '-')} {value}" for name, value in given.items()]
+    return " ".join(
+        [f"python -m toonkit.training {task} -o DIR", *(["--start CHECKPOINT"] if start else []), *words]
+    )
 
 
 def _asked_to_stop() -> Callable[[], bool]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -16,7 +16,9 @@ from toonkit._validation import BoolArray, ToonkitError
 from toonkit.estimation.convolution import Array
 from toonkit.estimation.inflation import inflate
 from toonkit.estimation.working_square import SIZE
-from toonkit.training.solids import random_solid, render_solid
+from toonkit.export.atomic import atomic_write
+from toonkit.training.rendering import render_solid
+from toonkit.training.solids import random_solid
 
 SHARD = 200
 """Shapes in a file."""
@@ -56,7 +58,12 @@ class Dataset:
 
 
 def make_dataset(
-    folder: Path, count: int, seed: int, *, workers: int, progress: Callable[[Iterator[int]], Iterator[int]]
+    folder: Path,
+    count: int,
+    seed: int,
+    *,
+    workers: int,
+    progress: Callable[[Iterator[int], int], Iterable[int]],
 ) -> Dataset:
     """
     Render shapes, or read those that are there already.
@@ -72,7 +79,7 @@ def make_dataset(
     workers : int
         Processes.
     progress : callable
-        Wraps the iterator over finished shards.
+        Wraps the iterator over finished shards; also told how many there will be.
 
     Returns
     -------
@@ -84,7 +91,7 @@ def make_dataset(
     missing = [k for k in shards if not _path(folder, seed, k).exists()]
     if missing:
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            for _ in progress(pool.map(partial(_make_shard, folder, seed), missing)):
+            for _ in progress(pool.map(partial(_make_shard, folder, seed), missing), len(missing)):
                 pass
     parts: list[dict[str, NDArray[np.generic]]] = []
     for k in shards:
@@ -115,9 +122,6 @@ def _make_shard(folder: Path, seed: int, shard: int) -> int:
         normals[done], masks[done] = rendered.normals, rendered.mask
         initial[done] = np.nan_to_num(inflated.vectors)
         done += 1
-    path = _path(folder, seed, shard)
-    unfinished = path.with_suffix(".part")
-    with unfinished.open("wb") as file:
+    with atomic_write(_path(folder, seed, shard)) as file:
         np.savez(file, normals=normals, initial_normals=initial, masks=masks)
-    unfinished.replace(path)
     return shard

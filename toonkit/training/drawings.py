@@ -8,6 +8,7 @@ import numpy as np
 
 from toonkit._validation import BoolArray
 from toonkit.estimation.convolution import Array
+from toonkit.model.light import light_direction
 from toonkit.training.dataset import Dataset
 from toonkit.training.painting import random_ramp
 
@@ -60,11 +61,7 @@ class Drawings:
         """Draw one, lit from any azimuth if `turned`, and otherwise from the right."""
         which, variant = int(rng.integers(self.first, self.last)), int(rng.integers(8))
         normals, initial, mask = self.dataset.view(which, variant)
-        azimuth = rng.uniform(0.0, 2 * np.pi) if turned else 0.0
-        elevation = np.deg2rad(rng.uniform(*ELEVATIONS))
-        sideways = np.cos(elevation)
-        light = np.array(
-            [sideways * np.cos(azimuth), sideways * np.sin(azimuth), np.sin(elevation)], np.float32
-        )
+        azimuth = rng.uniform(0.0, 360.0) if turned else 0.0
+        light = light_direction(azimuth, rng.uniform(*ELEVATIONS)).astype(np.float32)
         tones = random_ramp(rng)(normals @ light).astype(np.float32)
         return Drawing(tones, mask, initial, normals, light)

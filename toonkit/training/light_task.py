@@ -7,7 +7,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from toonkit.estimation.light_prior import LEAST_CONCENTRATION, features
+from toonkit.estimation.light_prior import CERTAINTIES, LEAST_CONCENTRATION, features
 from toonkit.training.drawings import Drawings
 from toonkit.training.network import LightNetwork
 
@@ -50,12 +50,13 @@ class LightTask:
             errors.append(_compared(answer, light)[1])
             certain.append(answer[:, 3])
         error, sure = torch.cat(errors), torch.cat(certain)
-        surest = sure >= sure.median()
+        order = torch.argsort(sure, descending=True)
+        surest, rest = order.tensor_split(2)
         return {
             "mean": float(error.mean()),
             "median": float(error.median()),
             "surest half": float(error[surest].mean()),
-            "rest": float(error[~surest].mean()),
+            "rest": float(error[rest].mean()),
         }
 
 
@@ -68,7 +69,7 @@ def _batch(drawings: Drawings, generators: list[np.random.Generator]) -> tuple[T
 
 def _compared(answer: Tensor, light: Tensor) -> tuple[Tensor, Tensor]:
     """Log-likelihood of the lights, up to a constant, and the angle to them in degrees."""
-    concentration = LEAST_CONCENTRATION + torch.exp(answer[:, 3].clamp(-4.0, 8.0))
+    concentration = LEAST_CONCENTRATION + torch.exp(answer[:, 3].clamp(*CERTAINTIES))
     apart = (functional.normalize(answer[:, :3], dim=1) - light).norm(dim=1)  # 1 - cosine is half its square
     scale = torch.log(concentration) - torch.log(-torch.expm1(-2.0 * concentration))
     error = torch.rad2deg(2.0 * torch.arcsin((apart.detach() / 2.0).clamp_max(1.0)))

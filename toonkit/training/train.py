@@ -6,13 +6,14 @@ import copy
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import torch
 from torch import Tensor, nn
 
 from toonkit._validation import refuse
+from toonkit.export.atomic import atomic_write
 from toonkit.training.drawings import Drawings
 
 AVERAGING = 0.998
@@ -74,15 +75,16 @@ class TrainingOptions:
     warmup: int = 200
     decay: float = 0.02
     seed: int = 7
-    shapes: int = 7000
-    shape_seed: int = 1
+    shapes: int = 9000
+    shape_seed: int = 2
 
 
 class Training:
     """
     A network, its optimizer and how far they are.
 
-    Step k draws its batch from (seed, k) alone: a training that was interrupted goes on as if it had not been.
+    Step k draws its batch from (seed, k) alone: a training that was interrupted goes on as if it had not been. What it
+    was started from, if from anything, is in `earlier`: options, steps, seconds and figures of each training before.
     """
 
     def __init__(self, task: Task, options: TrainingOptions) -> None:
@@ -97,6 +99,26 @@ class Training:
         self.step = 0
         self.seconds = 0.0
         self.history: list[dict[str, float]] = []
+        self.earlier: list[dict[str, Any]] = []
+
+    def start_from(self, path: Path) -> None:
+        """
+        Begin with the averaged weights of another training of the same task, which may have had other options.
+
+        Raises
+        ------
+        ToonkitError
+            If the checkpoint is of another task.
+        """
+        state = torch.load(path, weights_only=True)
+        if state["task"] != self.task.name:
+            raise refuse(
+                "start", f"must be a checkpoint of the {self.task.name}", f"one of the {state['task']}"
+            )
+        self.network.load_state_dict(state["average"])
+        self.average.load_state_dict(state["average"])
+        made = {name: state[name] for name in ("options", "step", "seconds", "history")}
+        self.earlier = [*state["earlier"], made]
 
     def advance(self, drawings: Drawings) -> float:
         """Take one step; return the mean error of its batch, degrees."""
@@ -130,10 +152,10 @@ class Training:
             "step": self.step,
             "seconds": self.seconds,
             "history": self.history,
+            "earlier": self.earlier,
         }
-        unfinished = path.with_suffix(".part")
-        torch.save(state, unfinished)
-        unfinished.replace(path)
+        with atomic_write(path) as file:
+            torch.save(state, file)
 
     def load(self, path: Path) -> None:
         """
@@ -152,7 +174,8 @@ class Training:
         self.network.load_state_dict(state["network"])
         self.average.load_state_dict(state["average"])
         self.optimizer.load_state_dict(state["optimizer"])
-        self.step, self.seconds, self.history = state["step"], state["seconds"], state["history"]
+        self.step, self.seconds = state["step"], state["seconds"]
+        self.history, self.earlier = state["history"], state["earlier"]
 
     def _rate(self) -> float:
         options = self.options

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 from importlib.resources import files
 from typing import Any
 
@@ -11,8 +12,9 @@ import numpy as np
 from toonkit.estimation.convolution import Weights
 
 
+@cache
 def read_weights(name: str) -> Weights:
-    """Read a network's weights: layer -> float32 array."""
+    """Read a network's weights, once in a process: layer -> float32 array."""
     with files(__name__).joinpath(f"{name}.npz").open("rb") as file, np.load(file) as stored:
         return {layer: stored[layer].astype(np.float32) for layer in stored.files}
 
