@@ -83,7 +83,8 @@ def test_another_seed_makes_other_shapes_and_no_two_are_alike(tmp_path: Path) ->
 def test_progress_sees_every_shard_once(tmp_path: Path) -> None:
     seen: list[int] = []
 
-    def watched(shards):
+    def watched(shards, count):
+        assert count == 3
         for shard in shards:
             seen.append(shard)
             yield shard
