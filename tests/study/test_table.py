@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pandas as pd
 import pytest
 
@@ -23,6 +25,7 @@ DIGESTS = {
     "shape": {"a": "1", "b": "2"},
     "color_map": {"plum": "3"},
     "method": {"todo": "4", "mine": "5"},
+    "light_track": {"given": "", "estimated": "6"},
 }
 
 
@@ -88,6 +91,18 @@ def test_a_record_of_another_method_color_map_or_shape_is_not_current(tmp_path):
     for other in ({"code": "2"}, {"settings": {"size": 33}}):
         assert not RecordStore(tmp_path, sidecar(**other)).is_done(trial)
     assert RecordStore(tmp_path, sidecar()).is_done(trial)
+
+
+def test_other_ways_to_estimate_the_light_change_the_trials_that_estimate_it(tmp_path):
+    given = TRIALS[0]
+    estimated = replace(given, light_track="estimated")
+    store = RecordStore(tmp_path, sidecar())
+    for trial in (given, estimated):
+        store.save(trial, unmeasured(trial, "mesh", StudySettings(size=32), error=""))
+    changed = {**DIGESTS, "light_track": {"given": "", "estimated": "another"}}
+    other = RecordStore(tmp_path, sidecar(digests=changed))
+    assert [store.is_done(trial) for trial in (given, estimated)] == [True, True]
+    assert [other.is_done(trial) for trial in (given, estimated)] == [True, False]
 
 
 def test_a_trial_whose_worker_was_lost_is_tried_again(tmp_path):
