@@ -221,6 +221,10 @@ def test_a_training_started_from_another_says_so(kind: str, output: Path, tmp_pa
     figures = "figures, degrees, on shapes kept aside"
     assert earlier[figures] == first[figures]
     assert "started from" not in first
+    (second / f"{kind}_prior.json").unlink()
+    assert run(kind, second, steps=3, shape_seed=3) == 0  # gone on with, and told no more of the start
+    again = json.loads((second / f"{kind}_prior.json").read_text(encoding="utf-8"))
+    assert again["command"] == made["command"]
 
 
 def test_a_checkpoint_of_another_task_is_no_start(output: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,8 +1,8 @@
 """
 A learned correction of the normals, before the energy does its work.
 
-A small convolutional network sees the drawing on a square of `SIZE` pixels, turned so that the light comes from the
-right and scaled so that the object fills it: it works alike at any resolution and for any azimuth of the light. It was
+A small convolutional network sees the drawing on squares of `SIZE` pixels, turned so that the light comes from the
+right and scaled so that the object fills them: it works alike at any resolution and for any azimuth of the light. It was
 trained by `python -m toonkit.training` on shapes and color maps of its own; `weights/shape_prior.json` says how.
 """
 

@@ -109,7 +109,8 @@ def _may_ask(method: object, name: str) -> bool:
     if not (isinstance(method, types.FunctionType) and method.__module__.startswith("toonkit.")):
         return True
     file = sys.modules[method.__module__].__file__
-    return file is None or f"toonkit.estimation.{name}_prior" in Path(file).read_text(encoding="utf-8")
+    own = {Path(part).stem for part in LEARNED[name] if part not in _NETWORKS}
+    return file is None or any(module in _bare(Path(file)) for module in own)
 
 
 def _parts(value: Any, seen: dict[int, Any]) -> Iterator[bytes]:

@@ -132,7 +132,7 @@ def _write_weights(given: argparse.Namespace, training: Training) -> None:
     weights = {layer: values.astype(np.float16) for layer, values in exported(training.average).items()}
     path = given.output / f"{name}.npz"
     provenance: dict[str, Any] = {
-        "command": _command(given.task, asdict(training.options), given.start),
+        "command": _command(given.task, asdict(training.options), started=bool(training.earlier)),
         "data": "random solids of toonkit.training.solids, painted by random color maps of toonkit.training.painting",
         "parameters": int(sum(values.size for values in weights.values())),
         "seconds": round(training.seconds),
@@ -143,12 +143,12 @@ def _write_weights(given: argparse.Namespace, training: Training) -> None:
     if training.earlier:
         provenance["started from"] = [
             {
-                "command": _command(given.task, made["options"]),
+                "command": _command(given.task, made["options"], started=order > 0),
                 "steps": made["step"],
                 "seconds": round(made["seconds"]),
                 "figures, degrees, on shapes kept aside": made["history"],
             }
-            for made in training.earlier
+            for order, made in enumerate(training.earlier)
         ]
     with atomic_write(path) as file:
         np.savez(file, allow_pickle=False, **weights)
@@ -157,14 +157,13 @@ def _write_weights(given: argparse.Namespace, training: Training) -> None:
     print(f"Weights in {path}; toonkit/estimation/weights/ is where they ship.")
 
 
-def _command(task: str, options: dict[str, Any], start: Path | None = None) -> str:
-    given = {
-        name: options[name] for name in ("shapes", "shape_seed", "steps", "batch", "seed") if name in options
-    }
-    words = [f"--{name.replace('_', '-')} {value}" for name, value in given.items()]
-    return " ".join(
-        [f"python -m toonkit.training {task} -o DIR", *(["--start CHECKPOINT"] if start else []), *words]
-    )
+def _command(task: str, options: dict[str, Any], *, started: bool) -> str:
+    words = [
+        f"--{name.replace('_', '-')} {options[name]}"
+        for name in ("shapes", "shape_seed", "steps", "batch", "seed")
+    ]
+    start = ["--start CHECKPOINT"] if started else []
+    return " ".join([f"python -m toonkit.training {task} -o DIR", *start, *words])
 
 
 def _asked_to_stop() -> Callable[[], bool]:

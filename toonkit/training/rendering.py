@@ -215,35 +215,21 @@ def _normals(x, y, z, kinds, turns, centers, sizes, widths, bounds, mirrored, wa
             for axis in range(3):
                 step[:] = 0.0
                 step[axis] = _DIFFERENCE
-                ahead = _distance(
-                    x[i, j] + step[0],
-                    y[i, j] + step[1],
-                    z[i, j] + step[2],
-                    kinds,
-                    turns,
-                    centers,
-                    sizes,
-                    widths,
-                    bounds,
-                    mirrored,
-                    waves,
-                    view,
-                )
-                behind = _distance(
-                    x[i, j] - step[0],
-                    y[i, j] - step[1],
-                    z[i, j] - step[2],
-                    kinds,
-                    turns,
-                    centers,
-                    sizes,
-                    widths,
-                    bounds,
-                    mirrored,
-                    waves,
-                    view,
-                )
-                normals[i, j, axis] = ahead - behind
+                for sign in (1.0, -1.0):
+                    normals[i, j, axis] += sign * _distance(
+                        x[i, j] + sign * step[0],
+                        y[i, j] + sign * step[1],
+                        z[i, j] + sign * step[2],
+                        kinds,
+                        turns,
+                        centers,
+                        sizes,
+                        widths,
+                        bounds,
+                        mirrored,
+                        waves,
+                        view,
+                    )
             normals[i, j, 2] = max(normals[i, j, 2], 0.0)
             length = np.sqrt(np.sum(normals[i, j] ** 2))
             if length > 0:
