@@ -26,8 +26,8 @@ TabMaker = Callable[[ToonAnalysis], pn.Column]
 TAB_SIZE = {"height": 380, **WIDE}
 
 COLOR_MAP_NOTE = (
-    "Each dot is a pixel in its own color, placed by the light it would get on the first, puffed-up shape. "
-    "The curve is the color map fitted to them, and a bar is the range of light that one color stands for."
+    "Each dot is a pixel in its own color, placed by the light it would get if the drawing were just puffed up. "
+    "The curve is the color map of the shape that was recovered, and a bar is the range of light that one color stands for."
 )
 NORMAL_MAP_NOTE = (
     "Which way the surface faces: red to the right, green up, blue toward you (OpenGL convention)."

@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -243,6 +244,16 @@ def test_a_mistake_of_ours_is_not_hidden(drawing, tmp_path, monkeypatch):
     monkeypatch.setattr(toonkit, "analyze", broken)
     with pytest.raises(ZeroDivisionError):
         main(["analyze", str(drawing), "--light", "135,45", "-o", str(tmp_path)])
+
+
+def test_a_reader_that_went_away_ends_it_with_141_and_without_a_traceback():
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(
+        [sys.executable, "-m", "toonkit", "samples"], stdout=writing, stderr=subprocess.PIPE, check=False
+    )
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (141, b"")
 
 
 def test_an_interruption_ends_with_130(drawing, tmp_path, monkeypatch, capsys):

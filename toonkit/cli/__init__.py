@@ -6,6 +6,7 @@ Everything heavy is imported inside the commands, so that `toonkit --version` an
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import sys
 from collections.abc import Sequence
@@ -30,6 +31,7 @@ UNSURE = 0.5
 
 _EXIT_REFUSED = 2
 _EXIT_INTERRUPTED = 130
+_EXIT_UNREAD = 141  # as a shell tells that whoever read the output went away
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -44,11 +46,19 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 if all went well, 2 if the input was refused (one line on stderr says why), 130 if interrupted.
+        0 if all went well, 2 if the input was refused (one line on stderr says why), 130 if interrupted, 141 if nobody
+        read the summary to its end.
     """
     try:
         arguments = _parser().parse_args(_joined_lights(sys.argv[1:] if argv is None else argv))
-        return int(arguments.run(arguments))
+        status = int(arguments.run(arguments))
+        sys.stdout.flush()
+        return status
+    except BrokenPipeError:
+        os.dup2(
+            os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno()
+        )  # or Python complains once more as it ends
+        return _EXIT_UNREAD
     except ToonkitError as error:
         message = " ".join(str(error).split())
         print(f"toonkit: error: {message}", file=sys.stderr)
