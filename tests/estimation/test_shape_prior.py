@@ -8,7 +8,16 @@ import pytest
 from tests.analytic import SOFT, TWO_TONE, Ellipse, ellipse, painted
 from toonkit import NormalField, ToonImage, angular_error, inflate, light_direction
 from toonkit.estimation import shape_prior
-from toonkit.estimation.shape_prior import CHANNELS, LOOKS, VIEWS, completed, correct_shape, features
+from toonkit.estimation.shape_prior import (
+    CHANNELS,
+    DAMPING,
+    LOOKS,
+    VIEWS,
+    completed,
+    correct_shape,
+    features,
+    misfit,
+)
 from toonkit.estimation.working_square import SIZE
 
 ELEVATION = np.deg2rad(38)
@@ -282,3 +291,30 @@ def test_an_inflated_cut_ellipsoid_comes_nearer_to_the_truth(azimuth: float) -> 
     before, after = (angular_error(normals, shape.normals).mean for normals in (initial, corrected))
     assert before > 10
     assert after < 0.8 * before
+
+
+def test_a_light_in_doubt_is_told_by_less_of_its_sine_and_cosine() -> None:
+    tones, mask, normals = lit_drawing(3)
+    sure, doubted = (features(tones, mask, normals, normals, ELEVATION, doubt) for doubt in (0.0, DAMPING))
+    assert doubted[12:][:, mask] == pytest.approx(np.exp(-1) * sure[12:][:, mask])
+    assert np.array_equal(doubted[:12], sure[:12])
+
+
+def test_the_true_light_fits_better_than_others() -> None:
+    shape = ellipse(60, 40)
+    image = painted(shape.normals, SOFT, light=LIGHT, alpha=shape.coverage)
+    azimuths = (118, 158, 78)
+    lights = np.array([light_direction(azimuth, 41) for azimuth in azimuths])
+    misfits = misfit(image, lights, inflate(shape.mask, alpha=shape.coverage))
+    assert misfits.shape == (3,)
+    assert 0 <= misfits[0] < 0.1 * misfits[1:].min()
+
+
+def test_a_light_fits_a_picture_in_which_nothing_can_be_seen_no_better_than_any() -> None:
+    mask = np.zeros((SIZE * 4, SIZE * 4), bool)
+    mask[10, 10:-10] = True  # a line that the square's pixels miss
+    image = ToonImage(np.full((*mask.shape, 3), 0.5), mask)
+    vectors = np.where(mask[..., None], [0.0, 0.0, 1.0], np.nan)
+    lights = np.array([light_direction(azimuth, 40) for azimuth in (0, 90)])
+    misfits = misfit(image, lights, NormalField(vectors, mask))
+    assert misfits[0] == misfits[1]

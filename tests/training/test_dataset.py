@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from itertools import islice, repeat
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tests.training.shapes import ellipsoids
-from toonkit import ToonkitError, inflate
+from toonkit import ToonkitError, inflate, light_direction
 from toonkit.estimation import light_prior
-from toonkit.estimation.working_square import SIZE
+from toonkit.estimation.working_square import FILL, SIZE
 from toonkit.training import dataset
-from toonkit.training.dataset import Dataset, make_dataset
-from toonkit.training.drawings import ELEVATIONS, Drawings
-from toonkit.training.rendering import render_solid
+from toonkit.training.dataset import CUT_OFF, Dataset, cut_off, make_dataset
+from toonkit.training.drawings import DOUBTS, ELEVATIONS, Drawing, Drawings, tilted
+from toonkit.training.rendering import Rendered, render_solid
 from toonkit.training.solids import random_solid
 
 VARIANTS = range(8)
@@ -50,8 +51,9 @@ def test_as_many_shapes_as_wanted_with_truth_and_inflated_normals(tmp_path: Path
         )  # 11 bits
         assert not field[~shapes.masks].any()
     rng = np.random.default_rng([5, 0])
-    while (first := render_solid(random_solid(rng), SIZE)) is None:
-        pass
+    assert rng.random() > CUT_OFF  # the first one is whole
+    first = render_solid(random_solid(rng), SIZE)
+    assert first is not None
     assert np.array_equal(shapes.masks[0], first.mask)
     assert shapes.normals[0] == pytest.approx(first.normals, abs=1e-3)
     inflated = np.nan_to_num(inflate(first.mask, alpha=first.coverage).vectors)
@@ -112,6 +114,41 @@ def test_a_solid_that_cannot_be_seen_or_inflated_is_replaced_by_the_next(
     replaced = made(tmp_path / "replaced", count=2)
     assert np.array_equal(replaced.masks[0], plain.masks[1])
     assert replaced.masks[1].any()
+
+
+def cut_off_shapes(count: int) -> list[Rendered]:
+    rng = np.random.default_rng(8)
+    drawn = (cut_off(rng) for _ in repeat(None))
+    return list(islice((shape for shape in drawn if shape is not None), count))
+
+
+def test_what_the_frame_cuts_off_touches_it_and_has_no_rim_there() -> None:
+    turned_away = []
+    for shape in cut_off_shapes(12):
+        ends = [shape.mask[0], shape.mask[-1], shape.mask[:, 0], shape.mask[:, -1]]
+        assert any(end.any() for end in ends)
+        assert max(np.ptp(places) + 1 for places in np.nonzero(shape.mask)) == pytest.approx(
+            FILL * SIZE, rel=0.1
+        )
+        assert np.linalg.norm(shape.normals[shape.mask], axis=-1) == pytest.approx(1)
+        assert np.array_equal(shape.coverage >= 0.5, shape.mask)
+        turns = [(shape.mask, shape.normals, (0, 1)), (shape.mask.T, shape.normals.swapaxes(0, 1), (-1, 0))]
+        for mask, normals, outward in turns:  # first and last row and column, and which way is out
+            turned_away += list(normals[0][mask[0]][:, :2] @ outward)
+            turned_away += list(-(normals[-1][mask[-1]][:, :2] @ outward))
+    assert np.mean(turned_away) < 0.6  # all rims would have nearly 1
+
+
+def test_a_shape_that_was_cut_off_stands_as_near_the_middle_as_its_frame_allows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dataset, "CUT_OFF", 1.0)
+    shapes = made(tmp_path, count=4)
+    for mask, normals in zip(shapes.masks, shapes.normals, strict=True):
+        off = [abs(places.min() + places.max() - (SIZE - 1)) for places in np.nonzero(mask)]
+        assert min(off) <= 0.1 * SIZE  # along its longer extent
+        assert not normals[~mask].any()
+        assert np.linalg.norm(normals[mask].astype(float), axis=-1) == pytest.approx(1, abs=2e-3)
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
@@ -184,6 +221,36 @@ def test_lights_come_from_the_right_unless_they_may_come_from_anywhere() -> None
     assert {(bool(x > 0), bool(y > 0)) for x, y in anywhere[:, :2]} == {
         (a, b) for a in (True, False) for b in (True, False)
     }
+
+
+def test_half_of_the_doubtful_lights_are_not_the_ones_that_painted() -> None:
+    drawings = Drawings(ellipsoids(3), 0, 3)
+    drawn = [drawings.draw(np.random.default_rng(k), turned=False, doubtful=True) for k in range(60)]
+    doubted = [drawing for drawing in drawn if drawing.doubt > 0]
+    assert 0.3 < len(doubted) / len(drawn) < 0.7
+    doubts = np.rad2deg([drawing.doubt for drawing in doubted])
+    assert DOUBTS[0] <= doubts.min() < 5
+    assert 15 < doubts.max() <= DOUBTS[1]
+
+    def out_of_order(drawing: Drawing) -> bool:
+        illumination = (drawing.normals @ drawing.light)[drawing.mask]
+        return bool((np.diff(drawing.tones[drawing.mask][np.argsort(illumination)]) < 0).any())
+
+    assert all(out_of_order(drawing) for drawing in doubted)
+    assert not any(out_of_order(drawing) for drawing in drawn if drawing.doubt == 0)
+    assert all(drawing.light[1] == 0 for drawing in doubted)  # what is known still comes from the right
+
+
+def test_a_light_is_tilted_by_its_doubt_about_each_of_two_axes_and_stays_in_front() -> None:
+    light, rng = light_direction(20, 60), np.random.default_rng(3)
+    assert np.array_equal(tilted(light, 0.0, rng), light)
+    lights = np.array([tilted(light, np.deg2rad(4), rng) for _ in range(4000)])
+    assert np.linalg.norm(lights, axis=1) == pytest.approx(1)
+    side = np.cross(light, [0, 0, 1]) / np.linalg.norm(np.cross(light, [0, 0, 1]))
+    for axis in (side, np.cross(light, side)):
+        assert np.rad2deg((lights @ axis).std()) == pytest.approx(4, rel=0.05)
+    low = np.array([tilted(light_direction(0, 3), np.deg2rad(20), rng) for _ in range(200)])
+    assert (low[:, 2] > 0).all()
 
 
 def test_only_the_shapes_asked_for_are_drawn() -> None:

@@ -27,6 +27,7 @@ from toonkit.training.solids import (
     Family,
     Solid,
     random_solid,
+    sheet,
     turned_on_a_lathe,
 )
 
@@ -222,6 +223,24 @@ def test_waves_are_waves_of_the_normals() -> None:
     assert tilt.max() == pytest.approx(np.sin(np.arctan(0.2)), abs=0.01)
     assert tilt.min() == pytest.approx(-tilt.max(), abs=0.01)
     assert np.abs(picture.normals[20:76, 48, 0]).max() < 1e-3
+
+
+def test_steep_waves_leave_no_holes() -> None:
+    """Rays that would overshoot a steep wave, or give up where they graze it, would leave pixels of the middle empty."""
+    wave = np.array([[0.0, 8.0, 0.0, 0.5, 0.2]])
+    picture = rendered(solid((BOX, (1, 1, 0.3)), waves=wave, view=about(1, 0.5)))
+    assert np.array_equal(ndimage.binary_fill_holes(picture.mask), picture.mask)
+    assert picture.mask.mean() > 0.4
+
+
+def test_the_outline_of_a_sheet_is_an_edge_and_no_rim() -> None:
+    rims = []
+    for seed in range(20):
+        picture = render_solid(sheet(np.random.default_rng(seed)), 64)
+        assert picture is not None
+        rim = picture.mask & ~ndimage.binary_erosion(picture.mask)
+        rims.append(np.median(picture.normals[rim][:, 2]))
+    assert np.median(rims) > 0.3
 
 
 RANDOM = tuple(range(24))

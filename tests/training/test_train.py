@@ -36,8 +36,8 @@ def drawings(count: int = 3) -> Drawings:
 class OneBatch(Drawings):
     """The same four drawings in every step."""
 
-    def draw(self, rng: np.random.Generator, *, turned: bool) -> Drawing:
-        del rng
+    def draw(self, rng: np.random.Generator, *, turned: bool, doubtful: bool = False) -> Drawing:
+        del rng, doubtful
         object.__setattr__(self, "last", (self.last + 1) % 4)
         return Drawings(self.dataset, 0, len(self.dataset)).draw(
             np.random.default_rng(self.last), turned=turned
@@ -217,7 +217,7 @@ def test_the_error_of_tilted_normals_is_their_tilt() -> None:
     mask[20:70, 10:80] = True
     truth = np.where(mask[..., None], np.float32([0, 0, 1]), np.float32(0))
     item = Drawing(
-        np.zeros(mask.shape, np.float32), mask, truth, truth, light_direction(0, 40).astype(np.float32)
+        np.zeros(mask.shape, np.float32), mask, truth, truth, light_direction(0, 40).astype(np.float32), 0.0
     )
     tilted = light_direction(0, 80).astype(np.float32)
     change = torch.from_numpy(
@@ -234,7 +234,7 @@ def test_a_change_away_from_the_viewer_counts_as_one_to_the_rim() -> None:
     mask = np.ones((SIZE, SIZE), bool)
     truth = np.tile(np.float32([1, 0, 0]), (SIZE, SIZE, 1))
     item = Drawing(
-        np.zeros(mask.shape, np.float32), mask, truth, truth, light_direction(0, 40).astype(np.float32)
+        np.zeros(mask.shape, np.float32), mask, truth, truth, light_direction(0, 40).astype(np.float32), 0.0
     )
     change = torch.zeros(1, 3, SIZE, SIZE)
     change[:, 2] = -5

@@ -8,7 +8,8 @@ import numpy as np
 
 from toonkit._validation import FloatArray, of_type, same_mask
 from toonkit.estimation.inflation import inflate
-from toonkit.estimation.light_prior import believed_light
+from toonkit.estimation.light_prior import LightBelief, believed_light
+from toonkit.estimation.shape_prior import misfit
 from toonkit.model.image import ToonImage
 from toonkit.model.light import light_direction
 from toonkit.model.luminance import luminance
@@ -23,6 +24,21 @@ CLOSE = 10.0
 PLAUSIBLE = 0.3
 """Share of the luminance's variance that a light explains on the inflated shape, below which confidence falls to zero with
 it: such a picture is shaded in a way that the network has never seen, and its belief is worth little."""
+
+
+RING, TRIED = 1.2, 6
+"""How far from the believed light others are tried, in standard deviations of the belief, and how many. Eighteen on two
+rings gained a thirtieth more on generated solids, in almost three times the time."""
+
+SPREADS = (0.03, 0.4)
+"""Limits of that standard deviation, radians."""
+
+OBSERVATIONS = 6.0
+"""Independent observations of illumination that a picture is worth: how much a light's misfit counts. Of 2, 4, 6, 8 and 12
+the best on generated solids, by little."""
+
+NEGLIGIBLE = 1e-4
+"""Misfit that the true light may have."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +83,10 @@ def estimate_light(image: ToonImage, *, initial_normals: NormalField | None = No
     Notes
     -----
     A network trained on shapes and color maps of its own sees mask, N0 and tones and answers with a distribution of
-    directions; see `toonkit.estimation.light_prior`. Its belief counts in full where the light explains the shading of the
-    inflated shape as a light should, and for nothing where the shading runs against it.
+    directions; see `toonkit.estimation.light_prior`. Some of them are tried: the better the learned shape under a light
+    explains the picture (`toonkit.estimation.shape_prior.misfit`), the likelier it becomes.
+    Its confidence counts in full where the light explains the shading of the inflated shape as a light should, and for
+    nothing where the shading runs against it.
     """
     of_type("image", image, ToonImage)
     if initial_normals is not None:
@@ -77,12 +95,62 @@ def estimate_light(image: ToonImage, *, initial_normals: NormalField | None = No
     if float(np.var(shades)) < 1e-10:
         return LightEstimate(light_direction(0.0, 90.0), 0.0)
     normals = inflate(image.mask, alpha=image.alpha) if initial_normals is None else initial_normals
-    belief = believed_light(image, normals)
+    belief = tried(believed_light(image, normals), image, normals)
     azimuth = np.rad2deg(np.arctan2(belief.light[1], belief.light[0]))
     elevation = np.rad2deg(np.arcsin(np.clip(belief.light[2], -1.0, 1.0)))
     light = light_direction(float(azimuth), float(max(elevation, LOWEST_ELEVATION)))
     share = _explained_share(normals.vectors[image.mask] @ light, shades)
     return LightEstimate(light, belief.probability_within(CLOSE) * min(share / PLAUSIBLE, 1.0))
+
+
+def tried(belief: LightBelief, image: ToonImage, initial_normals: NormalField) -> LightBelief:
+    """
+    Sharpen a belief by how well the learned shape explains the picture under some of the lights it holds likely.
+
+    Parameters
+    ----------
+    belief : LightBelief
+        What is believed so far.
+    image : ToonImage
+        The picture.
+    initial_normals : NormalField
+        N0.
+
+    Returns
+    -------
+    LightBelief
+        Moved and narrowed as the mean of the lights that were tried moves, and as they draw together, once each counts by
+        misfit^(-OBSERVATIONS / 2) as well: the likelihood of so many Gaussian residuals whose variance nobody knows. Misfits
+        that are all the same change nothing.
+    """
+    lights = candidates(belief)
+    believed = belief.concentration * (lights @ belief.light)
+    misfits = misfit(image, lights, initial_normals) + NEGLIGIBLE
+    before, after = (_mean(lights, log) for log in (believed, believed - OBSERVATIONS / 2 * np.log(misfits)))
+    light = belief.light + after - before
+    drawn_together = float(np.linalg.norm(after) - np.linalg.norm(before))
+    variance = max(1.0 / belief.concentration - drawn_together, 0.25 / belief.concentration)
+    return LightBelief(light / np.linalg.norm(light), 1.0 / variance)
+
+
+def candidates(belief: LightBelief) -> FloatArray:
+    """Return lights to try, shape (n, 3): the believed one first, then a ring around it, but for those that are too low."""
+    spread = float(np.clip(belief.concentration**-0.5, *SPREADS))
+    light = belief.light
+    beside = np.cross(light, [0.0, 1.0, 0.0] if abs(light[1]) < 0.9 else [1.0, 0.0, 0.0])
+    beside /= np.linalg.norm(beside)
+    above = np.cross(light, beside)
+    angle = np.arange(TRIED)[:, None] * (2 * np.pi / TRIED)
+    away = np.cos(angle) * beside + np.sin(angle) * above
+    ring = np.cos(RING * spread) * light + np.sin(RING * spread) * away
+    lowest = np.sin(np.deg2rad(LOWEST_ELEVATION))
+    return np.concatenate([light[None], ring[ring[:, 2] > lowest]])
+
+
+def _mean(lights: FloatArray, log_weights: FloatArray) -> FloatArray:
+    weights = np.exp(log_weights - log_weights.max())
+    mean: FloatArray = weights @ lights / weights.sum()
+    return mean
 
 
 def _explained_share(illumination: FloatArray, shades: FloatArray) -> float:

@@ -8,6 +8,7 @@ trained by `python -m toonkit.training` on shapes and color maps of its own; `we
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -33,12 +34,19 @@ answers hangs less on where a square's pixels happen to lie."""
 CHANNELS = 14
 """Feature maps of `features`."""
 
+DAMPING = 0.25
+"""Doubt about the light, radians, at which the network is told exp(-1) of its sine and cosine."""
+
 NEGLIGIBLE = 0.005
 """Illumination by which normals may miss what the colors allow, root mean square, and still be taken for right."""
 
 
 def correct_shape(
-    image: ToonImage, light: FloatArray, initial_normals: NormalField, *, looks: int = LOOKS
+    image: ToonImage,
+    light: FloatArray,
+    initial_normals: NormalField,
+    *,
+    looks: int = LOOKS,
 ) -> NormalField:
     """
     Correct initial normals by what the network has learned of shapes.
@@ -60,48 +68,123 @@ def correct_shape(
         Corrected normals on the same mask.
     """
     tones = np.nan_to_num(plain_tones(image))
+    square = WorkingSquare.around(image.mask, light[:2])
     changes = [
-        _seen_change(image.mask, tones, light, initial_normals, widened, mirrored=mirrored, looks=looks)
-        for widened, mirrored in VIEWS
+        _View.of(image.mask, tones, light, initial_normals, square.widened(factor)).change(
+            looks, mirrored=mirrored
+        )
+        for factor, mirrored in VIEWS
     ]
     vectors = np.full((*image.mask.shape, 3), np.nan)
     vectors[image.mask] = completed(initial_normals.vectors[image.mask] + np.mean(changes, axis=0))
     return NormalField(vectors, image.mask)
 
 
-def _seen_change(
-    mask: BoolArray,
-    tones: FloatArray,
-    light: FloatArray,
-    initial_normals: NormalField,
-    widened: float,
-    *,
-    mirrored: bool,
-    looks: int,
-) -> FloatArray:
-    """Return the change of the object's normals, shape (P, 3), that the network asks for on one square."""
-    square = WorkingSquare.around(mask, light[:2]).widened(widened)
-    seen_mask = square.sampled(mask)
-    if not seen_mask.any():  # a line thinner than the square's pixels
-        return np.zeros((int(mask.sum()), 3))
-    seen_tones = square.sampled(tones)
-    initial = square.turned(square.sampled(np.nan_to_num(initial_normals.vectors)))
-    elevation = float(np.arctan2(light[2], np.hypot(light[0], light[1])))
-    weights = read_weights("shape_prior")
-    normals = initial
-    seen = features(seen_tones, seen_mask, normals, initial, elevation)
-    need = _need(seen)
-    for look in range(looks):
-        if look:
-            seen = features(seen_tones, seen_mask, normals, initial, elevation)
-        normals = completed(normals + _answer(weights, seen, mirrored=mirrored)) * seen_mask[..., None]
-    change = need * square.turned_back(normals - initial)
-    nearest = distance_transform_edt(~seen_mask, return_distances=False, return_indices=True)
-    return square.spread(change[tuple(nearest)], mask)
+def misfit(image: ToonImage, lights: FloatArray, initial_normals: NormalField) -> FloatArray:
+    """
+    Tell how badly the shape that the network sees under each light explains the picture: the lower, the likelier the light.
+
+    Parameters
+    ----------
+    image : ToonImage
+        The picture.
+    lights : ndarray, shape (n, 3)
+        Unit vectors from the surface to lights that may be the picture's.
+    initial_normals : NormalField
+        N0.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        On normals corrected at one look, the mean square by which the illumination misses the intervals that rank matching
+        gives the colors, relative to the illumination's variance; 1 if there is nothing to be seen.
+    """
+    tones = np.nan_to_num(plain_tones(image))
+    values = np.ones(len(lights))
+    for k, light in enumerate(lights):
+        view = _View.of(
+            image.mask, tones, light, initial_normals, WorkingSquare.around(image.mask, light[:2])
+        )
+        if view.seen_mask.any():
+            seen = view.features(view.corrected(1, mirrored=False))
+            values[k] = _missed(seen) / max(float(np.var(seen[7][view.seen_mask])), 1e-12)
+    return values
+
+
+@dataclass(frozen=True, eq=False)
+class _View:
+    """
+    A picture on a square, as the network sees it.
+
+    Attributes
+    ----------
+    mask : ndarray of bool, shape (H, W)
+        The object, in the whole picture.
+    square : WorkingSquare
+        Where on the picture.
+    seen_mask, tones, initial : ndarray, shape (SIZE, SIZE) or (SIZE, SIZE, 3)
+        What is there; N0 in the square's axes.
+    elevation : float
+        Of the light, radians.
+    """
+
+    mask: BoolArray
+    square: WorkingSquare
+    seen_mask: BoolArray
+    tones: Array
+    initial: Array
+    elevation: float
+
+    @classmethod
+    def of(
+        cls,
+        mask: BoolArray,
+        tones: FloatArray,
+        light: FloatArray,
+        initial_normals: NormalField,
+        square: WorkingSquare,
+    ) -> _View:
+        """Sample a picture's tones and N0."""
+        return cls(
+            mask=mask,
+            square=square,
+            seen_mask=square.sampled(mask),
+            tones=square.sampled(tones),
+            initial=square.turned(np.nan_to_num(square.sampled(initial_normals.vectors))),
+            elevation=float(np.arctan2(light[2], np.hypot(light[0], light[1]))),
+        )
+
+    def features(self, normals: Array) -> Array:
+        """Return the features, given normals as far as they are known."""
+        return features(self.tones, self.seen_mask, normals, self.initial, self.elevation)
+
+    def corrected(self, looks: int, *, mirrored: bool) -> Array:
+        """Return the normals, shape (SIZE, SIZE, 3), that the network makes of N0, asked so many times."""
+        weights = read_weights("shape_prior")
+        normals = self.initial
+        for _ in range(looks):
+            change = _answer(weights, self.features(normals), mirrored=mirrored)
+            normals = completed(normals + change) * self.seen_mask[..., None]
+        return normals
+
+    def change(self, looks: int, *, mirrored: bool) -> FloatArray:
+        """Return the change of the object's normals, shape (P, 3), that the network asks for."""
+        if not self.seen_mask.any():  # a line thinner than the square's pixels
+            return np.zeros((int(self.mask.sum()), 3))
+        missed = _missed(self.features(self.initial))
+        need = missed / (missed + NEGLIGIBLE**2)  # none if N0 explains the picture
+        change = need * self.square.turned_back(self.corrected(looks, mirrored=mirrored) - self.initial)
+        nearest = distance_transform_edt(~self.seen_mask, return_distances=False, return_indices=True)
+        return self.square.spread(change[tuple(nearest)], self.mask)
 
 
 def features(
-    tones: Array, mask: BoolArray, normals: Array, initial_normals: Array, elevation: float
+    tones: Array,
+    mask: BoolArray,
+    normals: Array,
+    initial_normals: Array,
+    elevation: float,
+    doubt: float = 0.0,
 ) -> Array:
     """
     Describe a drawing to the network.
@@ -116,12 +199,16 @@ def features(
         Normals as far as they are known, and N0; the light's azimuth is zero.
     elevation : float
         Of the light, radians.
+    doubt : float, optional
+        How far the true light may be from this one, standard deviation about each of two axes, radians: only while it
+        learns, so that it does not trust a light blindly. Telling it later what an estimate admits bought nothing.
 
     Returns
     -------
     ndarray of float32, shape (CHANNELS, SIZE, SIZE)
         Mask, normals, N0, illumination, the interval of illumination that rank matching on these normals gives each
-        color (Figure 4), tone, rank, and the light's sine and cosine; zero beside the object.
+        color (Figure 4), tone, rank, and the light's sine and cosine, damped by exp(-doubt / DAMPING); zero beside the
+        object.
     """
     sine, cosine = np.sin(elevation), np.cos(elevation)
     shining = cosine * normals[..., 0] + sine * normals[..., 2]
@@ -136,7 +223,8 @@ def features(
     seen[9][mask] = ordered[ranks.upto - 1]
     seen[10][mask] = ranks.tone
     seen[11][mask] = ranks.rank
-    seen[12], seen[13] = sine, cosine
+    told = np.exp(-doubt / DAMPING)
+    seen[12], seen[13] = told * sine, told * cosine
     seen *= mask
     return seen
 
@@ -152,12 +240,11 @@ def _answer(weights: Weights, seen: Array, *, mirrored: bool) -> Array:
     return np.moveaxis(change, 0, -1)
 
 
-def _need(seen: Array) -> float:
-    """Return the share of a correction that the normals in the features need: none if they explain the picture."""
+def _missed(seen: Array) -> float:
+    """Return the mean square by which the normals in the features miss what rank matching allows the colors."""
     on_object = seen[0] > 0
     shining, lower, upper = (seen[k][on_object] for k in (7, 8, 9))
-    missed = float(np.mean((shining - np.clip(shining, lower, upper)) ** 2))
-    return missed / (missed + NEGLIGIBLE**2)
+    return float(np.mean((shining - np.clip(shining, lower, upper)) ** 2))
 
 
 def completed(vectors: NDArray[Any]) -> NDArray[Any]:

@@ -25,13 +25,21 @@ _NETWORKS = tuple(
     f"estimation/{name}.py" for name in ("convolution", "tone_ranks", "working_square", "weights/__init__")
 )
 
+_SHAPE = ("estimation/shape_prior.py", "estimation/weights/shape_prior.npz", *_NETWORKS)
+
 LEARNED = {
-    "shape": ("estimation/shape_prior.py", "estimation/weights/shape_prior.npz", *_NETWORKS),
+    "shape": _SHAPE,
     "light": (
-        "estimation/light_prior.py", "estimation/light_fit.py", "estimation/weights/light_prior.npz", *_NETWORKS,
+        "estimation/light_prior.py", "estimation/light_fit.py", "estimation/weights/light_prior.npz", *_SHAPE,
     ),
 }  # fmt: skip
-"""What was learned, in `toonkit/`: trials depend on it only by a method that asks it, or by a light that is estimated."""
+"""What was learned, in `toonkit/`: trials depend on it only by a method that asks it, or by a light that is estimated, of
+which the learned shape is a judge."""
+
+_ASKED = {
+    "shape": ("shape_prior",),
+    "light": ("light_fit", "light_prior"),
+}  # modules that a method imports to ask it
 
 MEASURED_BY = (
     "_validation.py", "analysis.py", "metrics.py", "relighting.py", "model", "numerics", "methods/steps.py", "estimation",
@@ -109,8 +117,7 @@ def _may_ask(method: object, name: str) -> bool:
     if not (isinstance(method, types.FunctionType) and method.__module__.startswith("toonkit.")):
         return True
     file = sys.modules[method.__module__].__file__
-    own = {Path(part).stem for part in LEARNED[name] if part not in _NETWORKS}
-    return file is None or any(module in _bare(Path(file)) for module in own)
+    return file is None or any(module in _bare(Path(file)) for module in _ASKED[name])
 
 
 def _parts(value: Any, seen: dict[int, Any]) -> Iterator[bytes]:

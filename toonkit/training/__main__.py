@@ -28,7 +28,7 @@ from toonkit.training.train import Task, Training, TrainingOptions
 
 TASKS: dict[str, type[Task]] = {"shape": ShapeTask, "light": LightTask}
 
-DEFAULTS = {"shape": {"steps": 8500, "batch": 32}, "light": {"steps": 4800, "batch": 64}}
+DEFAULTS = {"shape": {"steps": 11500, "batch": 32}, "light": {"steps": 8800, "batch": 64}}
 
 KEPT_ASIDE = 400
 """Shapes, the first ones of the dataset, that are never trained on: figures are of drawings of these."""

@@ -15,13 +15,16 @@ from numpy.typing import NDArray
 from toonkit._validation import BoolArray, ToonkitError
 from toonkit.estimation.convolution import Array
 from toonkit.estimation.inflation import inflate
-from toonkit.estimation.working_square import SIZE
+from toonkit.estimation.working_square import FILL, SIZE
 from toonkit.export.atomic import atomic_write
-from toonkit.training.rendering import render_solid
+from toonkit.training.rendering import Rendered, render_solid
 from toonkit.training.solids import random_solid
 
 SHARD = 200
 """Shapes in a file."""
+
+CUT_OFF = 0.12
+"""Share of the attempts at a shape that let the picture's frame cut it off: what ends there has no rim. A quarter fails."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +104,46 @@ def make_dataset(
     return Dataset(**joined)
 
 
+def cut_off(rng: np.random.Generator) -> Rendered | None:
+    """
+    Draw a solid of which the picture's frame cuts a part off.
+
+    Parameters
+    ----------
+    rng : Generator
+        Source of every choice.
+
+    Returns
+    -------
+    Rendered or None
+        Some rows and columns of a larger picture, of which the object takes about the share `FILL` of SIZE; None if it does
+        not, or does not reach the frame.
+    """
+    whole = render_solid(random_solid(rng), int(rng.integers(SIZE, 2 * SIZE)))
+    side = round(FILL * SIZE)
+    height, width = rng.permutation([side, int(rng.integers(side // 2, side + 1))])
+    if whole is None:
+        return None
+    top, left = (int(rng.integers(len(whole.mask) - length + 1)) for length in (height, width))
+    rows, columns = slice(top, top + height), slice(left, left + width)
+    mask = whole.mask[rows, columns]
+    extents = [np.ptp(np.flatnonzero(mask.any(axis=axis))) + 1 if mask.any() else 0 for axis in (0, 1)]
+    border = np.concatenate([mask[0], mask[-1], mask[:, 0], mask[:, -1]])
+    if max(extents) < 0.9 * side or mask.sum() < 0.2 * side**2 or not border.any():
+        return None
+    return Rendered(whole.normals[rows, columns], mask, whole.coverage[rows, columns])
+
+
+def _place(mask: BoolArray) -> tuple[slice, slice]:
+    """Return rows and columns of the square at which a picture stands, its object as near the middle as there is room."""
+    places = []
+    for axis, length in ((1, mask.shape[0]), (0, mask.shape[1])):
+        first, last = np.flatnonzero(mask.any(axis=axis))[[0, -1]]
+        start = int(np.clip(round((SIZE - 1 - first - last) / 2), 0, SIZE - length))
+        places.append(slice(start, start + length))
+    return places[0], places[1]
+
+
 def _path(folder: Path, seed: int, shard: int) -> Path:
     return folder / f"shapes-{seed}-{shard:05d}.npz"
 
@@ -112,15 +155,16 @@ def _make_shard(folder: Path, seed: int, shard: int) -> int:
     masks = np.zeros((SHARD, SIZE, SIZE), np.bool_)
     done = 0
     while done < SHARD:
-        rendered = render_solid(random_solid(rng), SIZE)
+        rendered = cut_off(rng) if rng.random() < CUT_OFF else render_solid(random_solid(rng), SIZE)
         if rendered is None:
             continue
         try:
             inflated = inflate(rendered.mask, alpha=rendered.coverage)
         except ToonkitError:  # a sliver too thin to inflate
             continue
-        normals[done], masks[done] = rendered.normals, rendered.mask
-        initial[done] = np.nan_to_num(inflated.vectors)
+        rows, columns = _place(rendered.mask)
+        normals[done, rows, columns], masks[done, rows, columns] = rendered.normals, rendered.mask
+        initial[done, rows, columns] = np.nan_to_num(inflated.vectors)
         done += 1
     with atomic_write(_path(folder, seed, shard)) as file:
         np.savez(file, normals=normals, initial_normals=initial, masks=masks)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toonkit._validation import BoolArray
+from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.convolution import Array
 from toonkit.model.light import light_direction
 from toonkit.training.dataset import Dataset
@@ -14,6 +14,12 @@ from toonkit.training.painting import random_ramp
 
 ELEVATIONS = (12.0, 88.0)
 """Degrees between which the light stands."""
+
+DOUBTFUL = 0.5
+"""Share of the drawings, where there may be such, whose light is known only approximately."""
+
+DOUBTS = (1.5, 30.0)
+"""Standard deviations of such a light about each of two axes, degrees: small ones as often as large ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +36,10 @@ class Drawing:
     initial_normals, normals : ndarray of float32, shape (S, S, 3)
         N0 and the truth.
     light : ndarray of float32, shape (3,)
-        Unit vector toward the light.
+        Unit vector toward the light, as far as is known.
+    doubt : float
+        Standard deviation of the true light from it about each of two axes, radians, before those behind the image plane
+        are drawn again.
     """
 
     tones: Array
@@ -38,6 +47,7 @@ class Drawing:
     initial_normals: Array
     normals: Array
     light: Array
+    doubt: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,11 +67,25 @@ class Drawings:
     first: int
     last: int
 
-    def draw(self, rng: np.random.Generator, *, turned: bool) -> Drawing:
-        """Draw one, lit from any azimuth if `turned`, and otherwise from the right."""
+    def draw(self, rng: np.random.Generator, *, turned: bool, doubtful: bool = False) -> Drawing:
+        """Draw one, lit from any azimuth if `turned`, otherwise from the right; if `doubtful`, often only approximately."""
         which, variant = int(rng.integers(self.first, self.last)), int(rng.integers(8))
         normals, initial, mask = self.dataset.view(which, variant)
         azimuth = rng.uniform(0.0, 360.0) if turned else 0.0
-        light = light_direction(azimuth, rng.uniform(*ELEVATIONS)).astype(np.float32)
-        tones = random_ramp(rng)(normals @ light).astype(np.float32)
-        return Drawing(tones, mask, initial, normals, light)
+        light = light_direction(azimuth, rng.uniform(*ELEVATIONS))
+        ramp = random_ramp(rng)
+        doubt = 0.0
+        if doubtful and rng.random() < DOUBTFUL:
+            doubt = float(np.deg2rad(np.exp(rng.uniform(*np.log(DOUBTS)))))
+        tones = ramp(normals @ tilted(light, doubt, rng).astype(np.float32)).astype(np.float32)
+        return Drawing(tones, mask, initial, normals, light.astype(np.float32), doubt)
+
+
+def tilted(light: FloatArray, doubt: float, rng: np.random.Generator) -> FloatArray:
+    """Draw a direction around a light, in front of the image plane; with no doubt, the light itself."""
+    if doubt == 0.0:
+        return light
+    while True:
+        away = light + np.tan(doubt) * rng.normal(size=3)
+        if away[2] > 0.0:
+            return np.asarray(away / np.linalg.norm(away))

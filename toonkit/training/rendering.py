@@ -17,10 +17,10 @@ SUBPIXELS = 3
 """Rays along each side of an outline pixel: coverage in steps of a ninth."""
 
 STEP_FACTOR = 0.8
-"""Share of the distance that a ray advances: ellipsoids and waves overestimate theirs a little."""
+"""Share of the distance that a ray advances: ellipsoids overestimate theirs a little."""
 
 _FRAMING = 64  # rays along each side of the square in which the silhouette is looked for
-_MAX_STEPS = 100
+_MAX_STEPS = 400  # along steep waves that a ray grazes
 _ARRIVED = 0.02  # of a pixel
 _LEAST_STEP = 4.0  # times that: a chord so short along a grazed surface is lower than a 10000th of a pixel
 _DIFFERENCE = 2e-4
@@ -180,9 +180,11 @@ def _distance(px, py, pz, kinds, turns, centers, sizes, widths, bounds, mirrored
         else:
             nearness = max(width - abs(total + value), 0.0)
             total = max(total, -value) + nearness * nearness / (4 * width)
+    steepness = 1.0
     for i in range(len(waves)):
         total += waves[i, 4] * np.sin(waves[i, 0] * x + waves[i, 1] * y + waves[i, 2] * z + waves[i, 3])
-    return total
+        steepness += waves[i, 4] * np.sqrt(waves[i, 0] ** 2 + waves[i, 1] ** 2 + waves[i, 2] ** 2)
+    return total / steepness  # waves that steep overestimate the distance so many times
 
 
 @numba.njit(cache=True, fastmath=False)

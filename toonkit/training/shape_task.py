@@ -37,7 +37,7 @@ class ShapeTask:
         step: int,
     ) -> tuple[Tensor, float]:
         """Return the loss of a batch, and its mean error in degrees."""
-        items = [drawings.draw(rng, turned=False) for _ in range(size)]
+        items = [drawings.draw(rng, turned=False, doubtful=True) for _ in range(size)]
         seen, normals = _first_look(items)
         if step >= SECOND_LOOK_FROM:
             half = size // 2
@@ -90,12 +90,10 @@ def _second_look(items: list[Drawing], change: np.ndarray) -> tuple[np.ndarray, 
 
 
 def _seen(items: list[Drawing], normals: np.ndarray) -> np.ndarray:
-    rows = [
-        features(
-            item.tones, item.mask, now, item.initial_normals, float(np.arctan2(item.light[2], item.light[0]))
-        )
-        for item, now in zip(items, normals, strict=True)
-    ]
+    rows = []
+    for item, now in zip(items, normals, strict=True):
+        elevation = float(np.arctan2(item.light[2], item.light[0]))
+        rows.append(features(item.tones, item.mask, now, item.initial_normals, elevation, item.doubt))
     return np.stack(rows)
 
 

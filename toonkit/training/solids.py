@@ -19,6 +19,7 @@ REACH = 3.0
 """Half the width of the cube that every solid stays in."""
 
 _UNTURNED = np.eye(3)
+_SHARP = 0.01  # over which parts pass into each other where they meet in a crease
 _FULL_SIZE = 1.6  # how far from the center the parts of a family that grows at random may reach
 
 
@@ -122,7 +123,7 @@ def turned_on_a_lathe(rng: np.random.Generator) -> Solid:
     """Draw a body of revolution, stacked along its axis; now and then with a handle, a spout or a stalk."""
     parts: list[Part] = []
     height, radius = 0.0, rng.uniform(0.4, 0.8)
-    width = 0.01 if rng.random() < 0.25 else rng.uniform(0.03, 0.4)
+    width = _SHARP if rng.random() < 0.5 else rng.uniform(0.03, 0.4)
     for _ in range(int(rng.integers(2, 6))):
         kind = int(rng.choice([ELLIPSOID, CONE, TORUS, CAPSULE], p=[0.55, 0.25, 0.08, 0.12]))
         half = rng.uniform(0.15, 0.6)
@@ -140,14 +141,14 @@ def turned_on_a_lathe(rng: np.random.Generator) -> Solid:
         thickness = rng.uniform(0.05, 0.15)
         away = np.array([rng.uniform(-0.2, 1.0), rng.uniform(0.0, 1.0), 0.0])
         parts += _tube(rng, start, away, rng.uniform(0.4, 1.2), thickness, thickness * 0.7, 0.04, bend=0.5)
-    if rng.random() < 0.25:
+    if rng.random() < 0.4:
         parts += _features(rng, parts)
     return _assembled(_fitted(parts), view=_upright_view(rng) if rng.random() < 0.75 else _rotation(rng))
 
 
 def creature(rng: np.random.Generator) -> Solid:
     """Draw a body with a head and with a snout, ears, limbs and a tail where the dice say so."""
-    width = rng.uniform(0.03, 0.25)
+    width = _SHARP if rng.random() < 0.25 else rng.uniform(0.03, 0.25)
     body = rng.uniform(0.4, 0.7, 3)
     head_size = rng.uniform(0.25, 0.55)
     head = np.array([0.0, body[1] * rng.uniform(0.8, 1.3), body[2] * rng.uniform(-0.2, 0.9)])
@@ -204,16 +205,44 @@ def tubes(rng: np.random.Generator) -> Solid:
     return _assembled(_fitted(parts), view=_rotation(rng))
 
 
+def sheet(rng: np.random.Generator) -> Solid:
+    """Draw a wavy slab seen from the front: its outline is an edge, and no surface turns away there."""
+    half = np.array([rng.uniform(0.7, 1.0), rng.uniform(0.5, 1.0), rng.uniform(0.15, 0.4)])
+    if rng.random() < 0.7:
+        part = Part(BOX, _UNTURNED, np.zeros(3), np.append(half, 0.02), _SHARP)
+    else:
+        part = Part(
+            CONE, _about(0, np.pi / 2), np.zeros(3), np.array([half[2], half[0], half[0], 0.0]), _SHARP
+        )
+    count = int(rng.integers(1, 5))
+    along = (
+        rng.normal(size=(count, 3)) * [1.0, 1.0, 0.1]
+        if rng.random() < 0.6
+        else rng.normal(size=3) + rng.normal(0, 0.2, (count, 3))
+    )
+    vectors = (
+        along
+        / np.linalg.norm(along, axis=1, keepdims=True)
+        * np.exp(rng.uniform(np.log(2.0), np.log(12.0), (count, 1)))
+    )
+    steepness = rng.dirichlet(np.ones(count))[:, None] * rng.uniform(0.4, 2.0)
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    heights = np.minimum(steepness / lengths, 0.8 * half[2])
+    waves = np.concatenate([vectors, rng.uniform(0, 2 * np.pi, (count, 1)), heights], axis=1)
+    return _assembled([part], view=_frontal_view(rng), waves=waves)
+
+
 Family = Callable[[np.random.Generator], Solid]
 
 FAMILIES: tuple[tuple[Family, float], ...] = (
     (lone_ellipsoid, 0.06),
-    (plain_solid, 0.12),
-    (assembly, 0.36),
-    (turned_on_a_lathe, 0.18),
-    (creature, 0.16),
-    (fingered, 0.06),
-    (tubes, 0.06),
+    (plain_solid, 0.14),
+    (assembly, 0.3),
+    (turned_on_a_lathe, 0.2),
+    (creature, 0.14),
+    (fingered, 0.05),
+    (tubes, 0.05),
+    (sheet, 0.06),
 )
 """What solids are drawn from, and the share of each."""
 
@@ -243,7 +272,7 @@ def _primitive(rng: np.random.Generator, kind: int, center: FloatArray, scale: f
             above,
             scale * 0.2 * rng.random() * (rng.random() < 0.5),
         ]
-    width = 0.01 if rng.random() < 0.3 else scale * rng.uniform(0.02, 0.4)
+    width = _SHARP if rng.random() < 0.4 else scale * rng.uniform(0.02, 0.4)
     return Part(kind, _rotation(rng), center, np.asarray(sizes, dtype=np.float64), float(width))
 
 
