@@ -35,14 +35,14 @@ from toonkit.study.trials import Painting, StudySettings, Trial, paint, run_tria
 COLOR_MAP_NAMES = ("plum_cream", "terracotta", "ocean", "night_lamp", "lilac_soft", "clay_smooth")
 """Two, three and five hard tones, uneven ones, soft ones, and one that is nearly Lambert."""
 
-Variants = Callable[[ColorMap], dict[str, Method]]
-"""From the true color map, which a variant may be told, to methods by name."""
+Variants = Callable[[Painting], dict[str, Method]]
+"""From a picture and what is true of it, which a variant may be told, to methods by name."""
 
 MEASURES = ("angular_error", "relight_rmse", "input_rmse", "seconds")
 COLUMNS = ("variant", "shape", "shape_kind", "color_map", "size", *MEASURES)
 
 
-def variants(true_color_map: ColorMap) -> dict[str, Method]:
+def variants(painting: Painting) -> dict[str, Method]:
     """Name -> method, from the paper's to ours; the last one is told what no method can know."""
     return {
         "todo": METHODS["todo"],
@@ -55,7 +55,7 @@ def variants(true_color_map: ColorMap) -> dict[str, Method]:
         ),
         "toonkit without creases": functools.partial(varied, options=RefinementOptions(crease_turn=1e9)),
         "toonkit without margin": functools.partial(varied, options=RefinementOptions(margin=0.0)),
-        "toonkit with the true color map": functools.partial(varied, color_map=true_color_map),
+        "toonkit with the true color map": functools.partial(varied, color_map=painting.color_map),
     }
 
 
@@ -94,7 +94,7 @@ def measured(
     return [
         _row(variant, Trial(shape, name, variant, "given"), painting, method)
         for name, painting in paintings.items()
-        for variant, method in variants(painting.color_map).items()
+        for variant, method in variants(painting).items()
     ]
 
 

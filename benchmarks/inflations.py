@@ -23,8 +23,8 @@ from toonkit._validation import BoolArray, FloatArray, as_light
 from toonkit.estimation.refinement import Refinement, refine
 from toonkit.methods import Method
 from toonkit.methods.steps import Inflated, StepProgress
-from toonkit.model.color_map import ColorMap
 from toonkit.numerics.report import NOT_REFINED
+from toonkit.study.trials import Painting
 
 SCREENS = (1 / 24, 1 / 12, 1 / 6, np.inf)
 """Lengths over which the multi-scale inflation forgets the outline, in square roots of the object's area."""
@@ -129,9 +129,9 @@ def started(
     return steps.finished("refined", refinement)
 
 
-def variants(true_color_map: ColorMap) -> dict[str, Method]:
+def variants(painting: Painting) -> dict[str, Method]:
     """Name -> method: every inflation as it is, and refined."""
-    del true_color_map
+    del painting
     return {
         name + (", refined" if refined else ""): functools.partial(
             started, inflation=inflation, refined=refined

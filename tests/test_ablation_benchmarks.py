@@ -11,13 +11,15 @@ import pandas as pd
 import pytest
 
 import toonkit
-from benchmarks import ablation, inflations, lights
+from benchmarks import ablation, inflations, interior_contours, lights
 from benchmarks.shape_rows import measured_rows
+from tests.analytic import SOFT, painted
 from toonkit.estimation.light_fit import LightEstimate
 from toonkit.estimation.refinement import RefinementOptions
 from toonkit.estimation.shape_prior import correct_shape
+from toonkit.numerics.masked_grid import MaskedGrid
 from toonkit.study.color_maps import load_color_maps
-from toonkit.study.rendering import render_shape
+from toonkit.study.rendering import RenderedShape, render_shape
 from toonkit.study.shapes import SHAPES
 from toonkit.study.trials import Painting, StudySettings, paint
 
@@ -53,7 +55,7 @@ def test_the_learned_shape_alone_is_what_the_network_answers(painting):
 def test_every_variant_differs_from_every_other(painting):
     found = {
         name: vectors(method(painting.image, painting.light))
-        for name, method in ablation.variants(painting.color_map).items()
+        for name, method in ablation.variants(painting).items()
     }
     names = list(found)
     alike = [
@@ -66,9 +68,9 @@ def test_every_variant_differs_from_every_other(painting):
 
 
 def test_the_oracle_refines_into_the_true_intervals_and_relights_with_the_true_color_map():
-    # Of a cone in hard tones the color map cannot be told well: the oracle knows what the method does not.
+    # Of a fish in hard tones the color map cannot be told well: the oracle knows what the method does not.
     painting = paint(
-        render_shape(SHAPES["cone"], 64), load_color_maps()["terracotta"], StudySettings(size=64)
+        render_shape(SHAPES["fish"], 64), load_color_maps()["terracotta"], StudySettings(size=64)
     )
     told = ablation.varied(
         painting.image,
@@ -88,14 +90,14 @@ def test_the_oracle_refines_into_the_true_intervals_and_relights_with_the_true_c
     assert outside(told) < 0.2 * outside(guessed)
 
 
-def test_the_command_writes_a_row_for_each_variant_shape_and_color_map(tmp_path, capsys):
+def test_the_command_writes_a_row_for_each_variant_shape_and_color_map(painting, tmp_path, capsys):
     target = tmp_path / "ablation.csv"
     ablation.main(
         ["--size", "48", "--shapes", "torus", "pear", "--maps", "ocean", "--workers", "0", "-o", str(target)]
     )
     table = pd.read_csv(target)
     assert list(table.columns) == list(ablation.COLUMNS)
-    names = list(ablation.variants(load_color_maps()["ocean"]))
+    names = list(ablation.variants(painting))
     assert table["variant"].tolist() == names * 2
     assert table["shape"].tolist() == ["torus"] * len(names) + ["pear"] * len(names)
     assert set(table["size"]) == {48}
@@ -170,6 +172,92 @@ def test_the_harmonic_variants_are_lumo_and_classical(painting):
         assert np.array_equal(vectors(ours), vectors(toonkit.METHODS[method](painting.image, painting.light)))
 
 
+RIGHT = toonkit.light_direction(0, 30)
+
+
+def balls(*centers: float) -> tuple[toonkit.ToonImage, RenderedShape]:
+    """Balls of radius 60, the later in front of the earlier, lit from the right."""
+    y, x = np.mgrid[80:-80:161j, -110:110:221j]
+    vectors = np.full((161, 221, 3), np.nan)
+    depth = np.full((161, 221), np.nan)
+    for order, center in enumerate(centers):
+        side = np.stack([x - center, y], axis=-1) / 60
+        on_it = (side**2).sum(axis=-1) < 1
+        up = np.sqrt(np.maximum(1 - (side**2).sum(axis=-1), 0))
+        vectors[on_it] = np.dstack([side, up])[on_it]
+        depth[on_it] = (60 * up + 100 * order)[on_it]
+    normals = toonkit.NormalField(vectors, np.isfinite(depth))
+    shape = RenderedShape(
+        normals, normals.mask.astype(float), depth, np.where(normals.mask, 0, -1).astype(np.intp)
+    )
+    return painted(normals, SOFT, light=RIGHT), shape
+
+
+def test_a_true_contour_ties_the_nearer_side_alone_and_cuts_from_both():
+    _, shape = balls(35, -35)
+    grid = MaskedGrid(shape.mask)
+    cut, outward = interior_contours.true_contours(shape)
+    tied = outward.any(axis=1)
+    near = shape.normals.vectors[grid.mask]
+    assert tied.sum() > 60
+    assert (near[tied][:, 0] > 0.3).all()  # the left ball's right side
+    assert np.linalg.norm(outward[tied], axis=1) == pytest.approx(1)
+    assert np.einsum("pc,pc->p", outward[tied], near[tied][:, :2]).min() > 0.85
+    for direction, there in enumerate(grid.neighbors.T):
+        crossing = np.flatnonzero(cut[:, direction])
+        assert cut[there[crossing], (direction + 2) % 4].all()
+
+
+def test_a_crease_is_no_contour():
+    """Two balls that touch in one plane: their normals jump, their depth does not."""
+    _, left = balls(-35)
+    _, right = balls(35)
+    nearer = np.nan_to_num(left.depth, nan=-1) >= np.nan_to_num(right.depth, nan=-1)
+    vectors = np.where(nearer[..., None], left.normals.vectors, right.normals.vectors)
+    depth = np.where(nearer, left.depth, right.depth)
+    normals = toonkit.NormalField(vectors, np.isfinite(depth))
+    shape = RenderedShape(normals, left.coverage, depth, left.part)
+    grid = MaskedGrid(shape.mask)
+    field = vectors[grid.mask]
+    right_of = grid.neighbors[:, 0]
+    jump = np.linalg.norm(field[right_of] - field, axis=1)[right_of >= 0]
+    assert jump.max() > 0.8
+    contours = interior_contours.true_contours(shape)
+    assert not contours.cut.any()
+    assert not contours.outward.any()
+
+
+def test_a_contour_is_found_where_the_lit_end_of_a_ball_meets_the_one_behind_it():
+    image, shape = balls(35, -35)
+    _, outward = interior_contours.found_contours(image, RIGHT)
+    tied = outward.any(axis=1)
+    assert tied.sum() > 30
+    agree = np.einsum("pc,pc->p", outward[tied], shape.normals.vectors[image.mask][tied][:, :2])
+    assert np.mean(agree > 0.7) > 0.9
+
+
+@pytest.mark.parametrize("known", ["true", "found"])
+def test_a_smooth_shape_has_no_interior_contours(known):
+    image, shape = balls(0)
+    if known == "true":
+        contours = interior_contours.true_contours(shape)
+    else:
+        contours = interior_contours.found_contours(image, RIGHT)
+    assert not contours.cut.any()
+    assert not contours.outward.any()
+    inflated = interior_contours.inflated_within(image, contours)
+    assert np.array_equal(inflated.vectors, toonkit.inflate(image.mask).vectors, equal_nan=True)
+
+
+def test_an_inflation_that_knows_the_true_contours_is_nearer_the_truth():
+    image, shape = balls(35, -35)
+    inflated = interior_contours.inflated_within(image, interior_contours.true_contours(shape))
+    errors = [
+        toonkit.angular_error(field, shape.normals).mean for field in (inflated, toonkit.inflate(image.mask))
+    ]
+    assert errors[0] < 0.75 * errors[1]
+
+
 def test_the_lights_stand_all_around_and_three_at_each_elevation():
     azimuths, elevations = np.transpose(lights.LIGHTS)
     assert np.diff(np.sort(azimuths)) == pytest.approx(np.full(8, 40.0))
@@ -227,11 +315,13 @@ def test_an_unknown_shape_is_refused_before_any_work(command, capsys):
     assert "unicorn" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("benchmark", [ablation, inflations], ids=["ablation", "inflations"])
-def test_the_committed_table_has_every_variant_on_all_shapes(benchmark):
+@pytest.mark.parametrize(
+    "benchmark", [ablation, inflations, interior_contours], ids=lambda module: module.__name__
+)
+def test_the_committed_table_has_every_variant_on_all_shapes(painting, benchmark):
     table = pd.read_csv(STUDY / f"{benchmark.__name__.rpartition('.')[2]}.csv")
     assert list(table.columns) == list(ablation.COLUMNS)
-    names = list(benchmark.variants(load_color_maps()["ocean"]))
+    names = list(benchmark.variants(painting))
     assert list(dict.fromkeys(table["variant"])) == names
     assert set(table["size"]) == {256}
     expected = set(itertools.product(names, SHAPES, ablation.COLOR_MAP_NAMES))
