@@ -96,10 +96,7 @@ def found_contours(image: ToonImage, light: FloatArray) -> Contours:
     initial_normals = inflate(image.mask, alpha=image.alpha)
     ranks = ToneRanks.of(plain_tones(image)[grid.mask])
     ordered = np.sort(illumination(initial_normals, light)[grid.mask])
-    lower, upper = (
-        ordered[ranks.below],
-        ordered[ranks.upto - 1],
-    )  # that rank matching allows, without mixtures
+    lower, upper = ordered[ranks.below], ordered[ranks.upto - 1]  # as rank matching allows, mixtures apart
     normals = initial_normals.vectors[grid.mask]
     cut = np.zeros(grid.neighbors.shape, dtype=np.bool_)
     brighter = np.zeros(grid.size, dtype=np.bool_)
@@ -129,9 +126,7 @@ def found_contours(image: ToonImage, light: FloatArray) -> Contours:
         if best < FITS and worse - best > BETTER_BY:
             outward[nearer] = facing[nearer]
     tied = outward.any(axis=1)
-    cut &= (
-        tied[:, None] | tied[np.maximum(grid.neighbors, 0)]
-    )  # what has no nearer side is a crease, and no contour
+    cut &= tied[:, None] | tied[np.maximum(grid.neighbors, 0)]  # an edge without a nearer side is a crease
     return Contours(_both_ways(grid, cut), outward)
 
 

@@ -13,6 +13,7 @@ from torch import Tensor, nn
 
 from tests.training.shapes import ellipsoids
 from toonkit import ToonkitError, light_direction
+from toonkit.estimation.shape_prior import features
 from toonkit.estimation.working_square import SIZE
 from toonkit.training import light_task, shape_task, train
 from toonkit.training.drawings import Drawing, Drawings
@@ -210,6 +211,42 @@ def test_a_checkpoint_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch
     with pytest.raises(ToonkitError, match="no space"):
         advanced(training, 1).save(path)
     assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize(("task", "doubtful"), [(ShapeTask(), True), (LightTask(), False)])
+def test_only_the_shape_is_learned_under_doubtful_lights_and_none_is_judged_by_them(
+    task, doubtful, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    noted = []
+    draw = Drawings.draw
+
+    def noting(self: Drawings, rng: np.random.Generator, **asked: bool) -> Drawing:
+        noted.append(asked.get("doubtful", False))
+        return draw(self, rng, **asked)
+
+    monkeypatch.setattr(Drawings, "draw", noting)
+    network = task.network().eval()
+    task.loss(network, network, drawings(), np.random.default_rng(0), 4, 0)
+    task.figures(network, drawings(), 4)
+    assert noted == [doubtful] * 4 + [False] * 4
+
+
+def test_the_network_is_told_how_much_the_light_of_a_drawing_is_in_doubt(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    told = []
+
+    def noting(*described: object) -> np.ndarray:
+        told.append(described[-1])
+        return features(*described)
+
+    monkeypatch.setattr(shape_task, "features", noting)
+    network = ShapeTask().network().eval()
+    ShapeTask().loss(network, network, drawings(), np.random.default_rng(0), 8, 0)
+    rng = np.random.default_rng(0)
+    assert told == [drawings().draw(rng, turned=False, doubtful=True).doubt for _ in range(8)]
+    assert 0.0 in told
+    assert max(told) > 0.0
 
 
 def test_the_error_of_tilted_normals_is_their_tilt() -> None:

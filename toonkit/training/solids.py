@@ -211,23 +211,17 @@ def sheet(rng: np.random.Generator) -> Solid:
     if rng.random() < 0.7:
         part = Part(BOX, _UNTURNED, np.zeros(3), np.append(half, 0.02), _SHARP)
     else:
-        part = Part(
-            CONE, _about(0, np.pi / 2), np.zeros(3), np.array([half[2], half[0], half[0], 0.0]), _SHARP
-        )
+        disc = np.array([half[2], half[0], half[0], 0.0])
+        part = Part(CONE, _about(0, np.pi / 2), np.zeros(3), disc, _SHARP)
     count = int(rng.integers(1, 5))
-    along = (
-        rng.normal(size=(count, 3)) * [1.0, 1.0, 0.1]
-        if rng.random() < 0.6
-        else rng.normal(size=3) + rng.normal(0, 0.2, (count, 3))
-    )
-    vectors = (
-        along
-        / np.linalg.norm(along, axis=1, keepdims=True)
-        * np.exp(rng.uniform(np.log(2.0), np.log(12.0), (count, 1)))
-    )
+    if rng.random() < 0.6:
+        along = rng.normal(size=(count, 3)) * [1.0, 1.0, 0.1]
+    else:  # folds that run alike
+        along = rng.normal(size=3) + rng.normal(0, 0.2, (count, 3))
+    lengths = np.exp(rng.uniform(np.log(2.0), np.log(12.0), (count, 1)))
     steepness = rng.dirichlet(np.ones(count))[:, None] * rng.uniform(0.4, 2.0)
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     heights = np.minimum(steepness / lengths, 0.8 * half[2])
+    vectors = along / np.linalg.norm(along, axis=1, keepdims=True) * lengths
     waves = np.concatenate([vectors, rng.uniform(0, 2 * np.pi, (count, 1)), heights], axis=1)
     return _assembled([part], view=_frontal_view(rng), waves=waves)
 
