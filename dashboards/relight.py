@@ -39,6 +39,7 @@ DROP_ZONE = """
 .filepond--panel-root { background: transparent !important; border: none !important; }
 .filepond--drop-label { min-height: 64px; color: inherit; }
 .filepond--drop-label label { font-size: 13px; }
+.filepond--list-scroller { mask: none !important; -webkit-mask: none !important; }
 .filepond--credits { display: none; }
 """
 
@@ -81,7 +82,7 @@ def drawing_picker(state: RelightState) -> pn.Column:
         max_file_size=LARGEST_FILE,
         multiple=False,
         previews=[],
-        height=84,
+        height=104,
         margin=(0, 12),
         stylesheets=[DROP_ZONE],
         **WIDE,
