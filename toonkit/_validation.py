@@ -94,7 +94,7 @@ def as_mask(argument: str, value: ArrayLike, shape: tuple[int, int] | None = Non
         raise refuse(argument, "must be finite", f"{int((~np.isfinite(array)).sum())} NaN or infinite values")
     if shape is not None and array.shape != shape:
         raise refuse(argument, f"must have the picture's size {shape}", array.shape)
-    if not np.isin(array, (0, 1, 255)).all():
+    if array.dtype != np.bool_ and not np.isin(array, (0, 1, 255)).all():
         rule = "must be True or False everywhere (a soft one goes to load_image, or beside the mask as alpha)"
         raise refuse(argument, rule, f"values from {array.min():.4g} to {array.max():.4g}")
     mask = array.astype(np.bool_, order="C")

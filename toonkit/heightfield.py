@@ -91,9 +91,9 @@ def height_map(normals: NormalField) -> HeightField:
         links[here, direction] = facing / (1.0 + ((1.0 - agreement) / (1.0 - half)) ** 2)
         flow[here, direction] = sign * (slopes[here, axis] + slopes[other, axis]) / 2
     membrane = Membrane(grid, links, np.full(grid.size, TIE))
-    right_side = -np.sum(links * flow, axis=1, keepdims=True)
+    right_side = -np.sum(links * flow, axis=1)
     height, report = solve_membrane(membrane, right_side, tolerance=1e-6)
-    return HeightField(grid.scatter(_from_zero(grid, height[:, 0])), normals.mask, report)
+    return HeightField(grid.scatter(_from_zero(grid, height)), normals.mask, report)
 
 
 def height_mesh(field: HeightField, *, color: ToonImage | None = None) -> trimesh.Trimesh:

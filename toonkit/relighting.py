@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike
 
-from toonkit._validation import FloatArray, as_light, of_type
+from toonkit._validation import as_light, of_type
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.image import ToonImage
-from toonkit.model.shading import illumination
+from toonkit.numerics.bands import run_in_bands
 
 DETAIL_RANGE = 0.15
 """Change of illumination over which the painted detail hands over to the model: about half a tone of a four-tone ramp."""
 
 DETAIL_SIZE = 0.1
 """Color difference, in sRGB, up to which what the model leaves unexplained is texture; a larger one is a misplaced edge."""
+
+LOST = 40.0
+"""Exponent beyond which less than a rounding error stays."""
 
 
 def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool = True) -> ToonImage:
@@ -53,29 +57,67 @@ def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool =
     """
     of_type("analysis", analysis, ToonAnalysis)
     light = as_light("new_light", new_light)
-    image, mask = analysis.image, analysis.image.mask
-    after = illumination(analysis.normals, light)[mask]
-    color = np.full_like(image.color, np.nan)
-    color[mask] = analysis.color_map(after)
-    if not keep_detail:
-        return ToonImage(color, mask, alpha=image.alpha)
-    before = analysis.illumination[mask]
-    detail = image.color[mask] - analysis.color_map(before)
-    kept = detail_weight(after - before, detail)[:, None] * detail
-    color[mask] = np.clip(color[mask] + kept, 0.0, 1.0)
-    return ToonImage(color, mask, alpha=image.alpha, fringe=_moved_fringe(image, color))
+    image, color_map = analysis.image, analysis.color_map
+    color = np.empty_like(image.color)
+    run_in_bands(
+        _paint, image.mask, analysis.normals.vectors, image.color, analysis.light, light,
+        np.ascontiguousarray(color_map.colors), *color_map.domain, keep_detail, color,
+    )  # fmt: skip
+    fringe = color[image.fringe_sources]
+    if keep_detail:
+        fringe = np.clip(fringe + image.fringe_colors - image.color[image.fringe_sources], 0.0, 1.0)
+    return ToonImage.like(image, color, fringe)
 
 
-def detail_weight(change: FloatArray, detail: FloatArray) -> FloatArray:
-    """Return how much of a detail (..., 3) stays, 0 to 1, where the illumination changes by `change` (...)."""
-    size = np.sum(detail**2, axis=-1) / DETAIL_SIZE**2
-    weight: FloatArray = np.exp(-((change * (1.0 + size) / DETAIL_RANGE) ** 2))
-    return weight
+@njit(cache=True, nogil=True, error_model="numpy")
+def _paint(  # type: ignore[no-untyped-def]
+    mask, normals, painted, light, new_light, colors, low, high, keep_detail, color, first, last
+):
+    """Paint the rows from first to last; NaN where there is no object."""
+    steps = colors.shape[0] - 1
+    scale = steps / (high - low)
+    before, after = np.empty(3), np.empty(3)
+    for row in range(first, last):
+        for column in range(mask.shape[1]):
+            if not mask[row, column]:
+                for c in range(3):
+                    color[row, column, c] = np.nan
+                continue
+            was, now = 0.0, 0.0
+            for c in range(3):
+                was += normals[row, column, c] * light[c]
+                now += normals[row, column, c] * new_light[c]
+            _mapped(colors, steps, scale, low, high, now, after)
+            if keep_detail:
+                _mapped(colors, steps, scale, low, high, was, before)
+                size = 0.0
+                for c in range(3):
+                    before[c] = painted[row, column, c] - before[c]
+                    size += before[c] * before[c]
+                if size > 0.0:
+                    kept = detail_weight(now - was, size)
+                    for c in range(3):
+                        after[c] = min(max(after[c] + kept * before[c], 0.0), 1.0)
+            for c in range(3):
+                color[row, column, c] = after[c]
 
 
-def _moved_fringe(image: ToonImage, color: FloatArray) -> FloatArray:
-    touched = ~np.isnan(image.fringe[..., 0])
-    there = image.fringe_sources
-    fringe = np.full_like(color, np.nan)
-    fringe[touched] = np.clip(image.fringe[touched] + color[there] - image.color[there], 0.0, 1.0)
-    return fringe
+@njit(cache=True, nogil=True, error_model="numpy")
+def detail_weight(change: float, squared_size: float) -> float:
+    """Return how much of a detail of |d|² stays, 0 to 1, where the illumination changes by `change`."""
+    turn = change * (1.0 + squared_size / DETAIL_SIZE**2) / DETAIL_RANGE
+    return np.exp(-turn * turn) if turn * turn < LOST else 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _mapped(colors, steps, scale, low, high, illumination, out):  # type: ignore[no-untyped-def]
+    """Write the color of an illumination, linear between samples, to `out`; as `ColorMap` does."""
+    if steps == 0:
+        for c in range(3):
+            out[c] = colors[0, c]
+        return
+    position = (min(max(illumination, low), high) - low) * scale
+    start = min(int(position), steps - 1)
+    weight = position - start
+    for c in range(3):
+        out[c] = (1.0 - weight) * colors[start, c] + weight * colors[start + 1, c]

@@ -3,7 +3,7 @@ import pytest
 
 from tests.analytic import LIGHT, SOFT, TWO_TONE, ellipse, painted
 from toonkit import ColorMap, ToonImage, ToonkitError, fit_color_map, illumination, illumination_interval
-from toonkit.estimation.color_map_fit import mixed_pixels, noise_level
+from toonkit.estimation.reading import reading
 
 FIVE_TONE = ColorMap(
     np.repeat(
@@ -86,6 +86,12 @@ def test_pixels_that_share_an_illumination_share_the_mean_of_their_colors():
     assert fitted(-0.5).tolist() == pytest.approx([0.25] * 3, abs=0.01)
 
 
+def mixed_pixels(image):
+    mixed = np.zeros(image.mask.shape, bool)
+    mixed[image.mask] = reading(image).tones.mixed
+    return mixed
+
+
 @pytest.mark.parametrize("color_map", [TWO_TONE, FIVE_TONE], ids=["two-tone", "five-tone"])
 def test_mixed_colors_of_a_band_edge_are_no_band(color_map):
     disc = ellipse(60, 60)
@@ -126,7 +132,7 @@ def test_the_noise_level_is_that_of_the_tones(sigma):
     noise = sigma * np.random.default_rng(0).normal(size=(*disc.mask.shape, 1))
     noisy = ToonImage(np.clip(image.color + noise, 0, 1), disc.mask)
     # Clipping at white takes a little away from it.
-    assert noise_level(noisy) == pytest.approx(sigma, rel=0.25, abs=1e-4)
+    assert reading(noisy).tones.noise == pytest.approx(sigma, rel=0.25, abs=1e-4)
 
 
 @pytest.mark.parametrize(

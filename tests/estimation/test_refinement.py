@@ -57,7 +57,7 @@ def test_without_smoothness_the_printed_energy_is_the_shading_alone():
         ({"alpha": np.ones((3, 3))}, "alpha must have the size"),
         ({"alpha": 2.0 * MASK}, r"alpha must lie in \[0, 1\]"),
         ({"interval": everywhere(np.inf)}, "interval.lower must be known and finite"),
-        ({"options": {"sweeps": 3}}, "options must be a RefinementOptions"),
+        ({"options": {"margin": 3}}, "options must be a RefinementOptions"),
         ({"light": [0, 0, 0]}, "zero vector"),
     ],
 )
@@ -68,7 +68,7 @@ def test_what_cannot_be_refined_is_refused(arguments, words):
 
 
 @pytest.mark.parametrize(
-    ("option", "value"), [("margin", -1), ("change_length", np.nan), ("rim_hold", "much"), ("sweeps", 0)]
+    ("option", "value"), [("margin", -1), ("change_length", np.nan), ("rim_hold", "much"), ("tolerance", 0)]
 )
 def test_an_option_without_meaning_is_refused(option, value):
     with pytest.raises(ToonkitError, match=option):

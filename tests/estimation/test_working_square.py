@@ -8,7 +8,8 @@ from scipy.ndimage import map_coordinates
 
 from tests.analytic import blob_mask, ellipse
 from toonkit import light_direction
-from toonkit.estimation.working_square import FILL, SIZE, WorkingSquare, interpolated
+from toonkit.estimation.working_square import FILL, SIZE, WorkingSquare
+from toonkit.numerics.masked_grid import OUTSIDE, MaskedGrid
 
 AZIMUTHS = (0, 37, 90, 143, 180, 251, 270, 318)
 
@@ -27,7 +28,7 @@ def numbered(mask: np.ndarray) -> np.ndarray:
 
 
 def around(mask: np.ndarray, azimuth: float = 0) -> WorkingSquare:
-    return WorkingSquare.around(mask, light_direction(azimuth, 40)[:2])
+    return WorkingSquare.around(MaskedGrid(mask), light_direction(azimuth, 40)[:2])
 
 
 def straight(width: float) -> WorkingSquare:
@@ -78,7 +79,7 @@ def test_a_linear_field_is_spread_exactly(azimuth: float) -> None:
     rows, columns = np.nonzero(mask)
     places = np.stack([columns - square.column, square.row - rows, np.zeros(len(rows))], axis=-1)
     expected = square.turned(places)[:, :2] @ slopes.T + constant
-    assert np.allclose(square.spread(field, mask), expected, rtol=0, atol=1e-9)
+    assert np.allclose(square.spread(field, MaskedGrid(mask)), expected, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("azimuth", AZIMUTHS)
@@ -87,8 +88,8 @@ def test_what_was_sampled_spreads_back_to_where_it_was(azimuth: float) -> None:
     square = around(mask, azimuth)
     row, column = np.mgrid[: mask.shape[0], : mask.shape[1]]
     picture = np.stack([row, column, row - column], axis=-1).astype(float)
-    back = square.spread(square.sampled(picture), mask)
-    within = square.spread(square.sampled(np.ones((*mask.shape, 3))), mask)[:, 0] == 1
+    back = square.spread(square.sampled(picture), MaskedGrid(mask))
+    within = square.spread(square.sampled(np.ones((*mask.shape, 3))), MaskedGrid(mask))[:, 0] == 1
     # The nearest pixel is at most half a pixel away along each axis, and so is any mean of such.
     reach = np.array([0.5, 0.5, 1.0]) + 1e-5
     assert within.mean() > 0.9  # the rest is mixed with what lies beyond the picture's edge
@@ -110,7 +111,7 @@ def test_in_the_square_the_light_comes_from_the_right(azimuth: float) -> None:
 
 
 def test_a_light_from_straight_ahead_turns_nothing() -> None:
-    square = WorkingSquare.around(lopsided(), np.array([0.0, 0.0]))
+    square = WorkingSquare.around(MaskedGrid(lopsided()), np.array([0.0, 0.0]))
     assert (square.cosine, square.sine) == (1.0, 0.0)
 
 
@@ -151,7 +152,7 @@ def test_an_object_that_touches_the_edge_ends_there(shape: tuple[int, int], azim
     # Nothing beyond the edge comes in again on the other side: the area is right to a pixel along the outline.
     area = seen.sum() * (square.width / SIZE) ** 2
     assert area == pytest.approx(mask.size, rel=0.02)
-    assert square.spread(np.ones((SIZE, SIZE, 3)), mask) == pytest.approx(1)
+    assert square.spread(np.ones((SIZE, SIZE, 3)), MaskedGrid(mask)) == pytest.approx(1)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -171,11 +172,29 @@ def test_a_wider_square_sees_the_object_smaller_around_the_same_center() -> None
     assert share == pytest.approx(1 / 1.25**2, rel=0.03)
 
 
-def test_spreading_interpolates_as_scipy_does_beyond_the_edge_too() -> None:
-    """Compiled here because scipy's takes seven times as long, for each of four squares."""
-    field = np.random.default_rng(3).normal(size=(SIZE, SIZE, 3))
-    down, right = np.random.default_rng(4).uniform(-3, SIZE + 2, (2, 500))
-    slow = [
-        map_coordinates(part, [down, right], order=1, mode="nearest") for part in np.moveaxis(field, -1, 0)
+@pytest.mark.parametrize("azimuth", AZIMUTHS)
+@pytest.mark.parametrize("size", [SIZE, 2 * SIZE])
+def test_spreading_interpolates_as_scipy_does_beyond_the_edge_too(azimuth: float, size: int) -> None:
+    """Compiled here because scipy's takes seven times as long."""
+    mask = lopsided()
+    square = around(mask, azimuth).widened(0.7)
+    field = np.random.default_rng(3).normal(size=(size, size, 3))
+    down, right = np.nonzero(mask) - np.array([[square.row], [square.column]])
+    scale, middle = size / square.width, (size - 1) / 2
+    places = [
+        (right * square.sine + down * square.cosine) * scale + middle,
+        (right * square.cosine - down * square.sine) * scale + middle,
     ]
-    assert interpolated(field, down, right) == pytest.approx(np.stack(slow, axis=-1), abs=1e-12)
+    slow = [map_coordinates(part, places, order=1, mode="nearest") for part in np.moveaxis(field, -1, 0)]
+    assert square.spread(field, MaskedGrid(mask)) == pytest.approx(np.stack(slow, axis=-1), abs=1e-9)
+
+
+@pytest.mark.parametrize("azimuth", AZIMUTHS)
+def test_the_pixels_that_are_sampled_are_those_of_the_picture(azimuth: float) -> None:
+    mask = lopsided()
+    grid, picture = MaskedGrid(mask), numbered(mask)
+    square = around(mask, azimuth)
+    pixels = square.sampled_pixels(grid)
+    assert np.array_equal(pixels != OUTSIDE, square.sampled(mask))
+    seen = pixels != OUTSIDE
+    assert np.array_equal(picture[mask][pixels[seen]], square.sampled(picture)[seen])

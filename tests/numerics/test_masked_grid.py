@@ -56,7 +56,47 @@ def test_the_rim_touches_the_background():
 @pytest.mark.parametrize("seed", range(3))
 def test_every_pixel_has_the_parent_of_its_block(seed):
     grid = MaskedGrid(blob_mask(seed, size=23))
-    coarse, parent = grid.coarsened()
+    coarse, parent = grid.coarsening.coarse, grid.coarsening.parent
     assert np.array_equal(coarse.rows[parent], grid.rows // 2)
     assert np.array_equal(coarse.columns[parent], grid.columns // 2)
     assert set(parent) == set(range(coarse.size))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_linear_field_is_interpolated_exactly_where_all_blocks_are_there(seed):
+    grid = MaskedGrid(np.pad(np.ones((21, 30), dtype=bool), seed))
+    coarse = grid.coarsening.coarse
+    slope = np.random.default_rng(seed).normal(size=(2, 3))
+    field = np.stack([2.0 * coarse.columns + 0.5, 2.0 * coarse.rows + 0.5], axis=1) @ slope
+    fine = grid.coarsening.interpolated(field, np.empty((grid.size, 3)))
+    expected = np.stack([grid.columns, grid.rows], axis=1) @ slope
+    inner = (
+        (grid.rows > seed + 1)
+        & (grid.rows < seed + 19)
+        & (grid.columns > seed + 1)
+        & (grid.columns < seed + 28)
+    )
+    assert np.allclose(fine[inner], expected[inner])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_constant_is_interpolated_as_it_is_on_any_mask(seed):
+    step = MaskedGrid(blob_mask(seed, size=40)).coarsening
+    constant = np.full((step.coarse.size, 2), [3.0, -1.0])
+    assert np.allclose(step.interpolated(constant, np.empty((step.fine.size, 2))), [3.0, -1.0])
+
+
+def test_links_of_one_are_links_of_one_between_blocks():
+    grid = MaskedGrid(np.ones((16, 24), dtype=bool))
+    links = (grid.neighbors != OUTSIDE).astype(float)
+    coarse = grid.coarsening.links(links)
+    assert np.array_equal(coarse, grid.coarsening.coarse.neighbors != OUTSIDE)
+
+
+def test_a_grid_is_coarsened_down_to_a_size():
+    grid = MaskedGrid(blob_mask(1, size=90))
+    steps = grid.coarsenings(20)
+    assert steps[0].fine is grid
+    assert [step.coarse.size for step in steps[:-1]] == [step.fine.size for step in steps[1:]]
+    assert steps[-1].coarse.size <= 20 < steps[-1].fine.size
+    assert grid.coarsenings(20)[0] is steps[0]  # made once

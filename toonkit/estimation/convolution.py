@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,8 @@ Weights = dict[str, Array]
 
 LEVELS = 4
 """Resolutions: half the input's, and each next one half of the last."""
+
+_kept = threading.local()
 
 
 def encoded(weights: Weights, seen: Array) -> list[Array]:
@@ -29,11 +33,11 @@ def encoded(weights: Weights, seen: Array) -> list[Array]:
     list of ndarray
         State at each level, fine to coarse, the first of half the size of `seen`.
     """
-    states = [np.maximum(_convolve(weights, "stem", _to_channels(seen)), 0.0)]
+    states = [_rectified(_convolve(weights, "stem", _to_channels(seen)))]
     for level in range(LEVELS):
         state = states[-1]
         if level:
-            state = np.maximum(_convolve(weights, f"down.{level}.enter", state, stride=2), 0.0)
+            state = _rectified(_convolve(weights, f"down.{level}.enter", state, stride=2))
         states.append(_block(weights, f"down.{level}", state))
     return states[1:]
 
@@ -58,7 +62,7 @@ def field(weights: Weights, seen: Array) -> Array:
     for level in reversed(range(LEVELS - 1)):
         wide = state.repeat(2, axis=1).repeat(2, axis=2)
         joined = np.concatenate([wide, passed.pop()])
-        state = np.maximum(_convolve(weights, f"up.{level}.enter", joined), 0.0)
+        state = _rectified(_convolve(weights, f"up.{level}.enter", joined))
         state = _block(weights, f"up.{level}", state)
     return _from_channels(_convolve(weights, "out", state))
 
@@ -86,21 +90,53 @@ def summary(weights: Weights, seen: Array) -> Array:
 
 
 def _block(weights: Weights, name: str, state: Array) -> Array:
-    inner = np.maximum(_convolve(weights, f"{name}.first", state), 0.0)
-    return np.asarray(np.maximum(state + _convolve(weights, f"{name}.second", inner), 0.0))
+    inner = _rectified(_convolve(weights, f"{name}.first", state))
+    change = _convolve(weights, f"{name}.second", inner)
+    change += state
+    return _rectified(change)
+
+
+def _rectified(state: Array) -> Array:
+    """Set what is negative to zero, in place."""
+    return np.maximum(state, 0.0, out=state)
 
 
 def _convolve(weights: Weights, layer: str, state: Array, *, stride: int = 1) -> Array:
     """Correlate with kernels of 1 or 3 pixels, zero beyond the edge."""
     kernels, bias = weights[f"{layer}.weight"], weights[f"{layer}.bias"]
     out, channels, size, _ = kernels.shape
-    framed = np.pad(state, ((0, 0), (size // 2, size // 2), (size // 2, size // 2)))
-    windows = np.lib.stride_tricks.sliding_window_view(framed, (size, size), axis=(1, 2))
-    windows = windows[:, ::stride, ::stride]
-    height, width = windows.shape[1:3]
-    columns = windows.transpose(0, 3, 4, 1, 2).reshape(channels * size * size, height * width)
-    flat: Array = kernels.reshape(out, -1) @ columns + bias[:, None]
-    return np.asarray(flat.reshape(out, height, width))
+    _, height, width = state.shape
+    down, across = -(-height // stride), -(-width // stride)
+    columns = _columns(channels * size * size * down * across).reshape(channels, size, size, down, across)
+    reach = size // 2
+    for row in range(size):
+        for column in range(size):
+            here = columns[:, row, column]
+            rows, seen_rows = _overlap(row - reach, height, stride)
+            along, seen_along = _overlap(column - reach, width, stride)
+            if row != reach or column != reach:
+                here[:, : rows.start] = here[:, rows.stop :] = 0.0
+                here[:, :, : along.start] = here[:, :, along.stop :] = 0.0
+            here[:, rows, along] = state[:, seen_rows, seen_along]
+    flat: Array = kernels.reshape(out, -1) @ columns.reshape(channels * size * size, -1)
+    flat += bias[:, None]
+    return flat.reshape(out, down, across)
+
+
+def _overlap(shift: int, length: int, stride: int) -> tuple[slice, slice]:
+    """Which outputs look at an input, and which inputs those are, where output k looks at input stride * k + shift."""
+    first = -(min(shift, 0) // stride)
+    last = (length - 1 - shift) // stride + 1
+    last = min(last, -(-length // stride))
+    return slice(first, last), slice(stride * first + shift, stride * (last - 1) + shift + 1, stride)
+
+
+def _columns(size: int) -> Array:
+    """Room for the inputs of a layer, side by side: kept, because new memory costs more than the arithmetic."""
+    room: Array | None = getattr(_kept, "room", None)
+    if room is None or room.size < size:
+        room = _kept.room = np.empty(size, np.float32)
+    return room[:size]
 
 
 def _to_channels(seen: Array) -> Array:

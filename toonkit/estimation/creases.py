@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
 from toonkit._validation import FloatArray
-from toonkit.numerics.masked_grid import OUTSIDE, MaskedGrid
+from toonkit.numerics.masked_grid import MaskedGrid
 
 
 def crease_links(grid: MaskedGrid, normals: FloatArray, turn: float) -> FloatArray:
@@ -27,10 +28,19 @@ def crease_links(grid: MaskedGrid, normals: FloatArray, turn: float) -> FloatArr
     ndarray, shape (P, 4)
         1 / (1 + (change of the normals / turn)²), the same seen from both ends; zero where there is no neighbor.
     """
-    links = np.zeros(grid.neighbors.shape)
-    for direction, there in enumerate(grid.neighbors.T):
-        linked = there != OUTSIDE
-        apart = normals[linked] - normals[there[linked]]
-        bend = np.sum(apart**2, axis=1) * (grid.size / turn**2)
-        links[linked, direction] = 1.0 / (1.0 + bend)
+    links = np.empty(grid.neighbors.shape)
+    grid.bands.run(_stiffness, grid.neighbors, normals, grid.size / turn**2, links)
     return links
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _stiffness(neighbors, normals, scale, links, first, last):  # type: ignore[no-untyped-def]
+    for p in range(first, last):
+        for k in range(4):
+            q = neighbors[p, k]
+            links[p, k] = 0.0
+            if q >= 0:
+                bend = 0.0
+                for c in range(3):
+                    bend += (normals[p, c] - normals[q, c]) ** 2
+                links[p, k] = 1.0 / (1.0 + scale * bend)

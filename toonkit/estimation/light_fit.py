@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from toonkit._validation import FloatArray, of_type, same_mask
-from toonkit.estimation.inflation import inflate
 from toonkit.estimation.light_prior import LightBelief, believed_light
+from toonkit.estimation.reading import reading
 from toonkit.estimation.shape_prior import misfit
 from toonkit.model.image import ToonImage
 from toonkit.model.light import light_direction
@@ -94,7 +94,7 @@ def estimate_light(image: ToonImage, *, initial_normals: NormalField | None = No
     shades = luminance(image.color[image.mask])
     if float(np.var(shades)) < 1e-10:
         return LightEstimate(light_direction(0.0, 90.0), 0.0)
-    normals = inflate(image.mask, alpha=image.alpha) if initial_normals is None else initial_normals
+    normals = reading(image).initial_normals if initial_normals is None else initial_normals
     belief = tried(believed_light(image, normals), image, normals)
     azimuth = np.rad2deg(np.arctan2(belief.light[1], belief.light[0]))
     elevation = np.rad2deg(np.arcsin(np.clip(belief.light[2], -1.0, 1.0)))

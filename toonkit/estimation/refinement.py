@@ -8,15 +8,23 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from toonkit._validation import FloatArray, as_coverage, as_light, is_number, of_type, refuse, same_shape
+from toonkit._validation import (
+    FloatArray,
+    as_coverage,
+    as_light,
+    is_number,
+    of_type,
+    refuse,
+    same_mask,
+    same_shape,
+)
 from toonkit.estimation.creases import crease_links
-from toonkit.estimation.energy import ChangeEnergy, PrintedEnergy, ShadingTerm
-from toonkit.estimation.silhouette import trace_silhouette
+from toonkit.estimation.energy import PrintedEnergy, ShadingTerm
+from toonkit.estimation.silhouette import Silhouette, trace_silhouette
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.normals import NormalField
 from toonkit.numerics.gauss_seidel import over_relaxed_sweeps
 from toonkit.numerics.masked_grid import MaskedGrid, block_sums
-from toonkit.numerics.membrane import Membrane
 from toonkit.numerics.report import SolverReport
 from toonkit.numerics.unit_field import UnitFieldProblem, solve_unit_field
 
@@ -27,6 +35,9 @@ MARGIN_SHARE = 0.25
 
 MARGIN_PER_EXCESS = 2.0
 """Largest margin, as a multiple of the root mean square by which the start misses its intervals."""
+
+NEGLIGIBLE = 1e-6
+"""Square of an illumination that nobody sees, a quarter of an 8-bit picture's step: a cycle that gains less is the last."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +54,8 @@ class RefinementOptions:
         would flip its color: old band edges would show in the relit picture.
     change_length : float
         Over what length the change of the normals is smooth, in units of sqrt(object area).
+    change_reach : float
+        Over what length a change dies out where nothing asks for it, in the same units.
     integrability_length : float
         Over what length the field is integrable, in the same units.
     crease_turn : float
@@ -50,26 +63,27 @@ class RefinementOptions:
         firmly: the edges of a cube stay edges.
     rim_hold : float
         How firmly the silhouette's normals hold, 0 (free) to 1 (as firmly as neighbors hold each other).
-    sweeps : int
-        Sweeps allowed on each grid.
+    tolerance : float
+        Relative decrease of the energy in one cycle of the solver at which it stops: about what is then left to gain.
     """
 
     margin: float = 0.05
     change_length: float = 0.004
+    change_reach: float = 0.2
     integrability_length: float = 0.01
     crease_turn: float = 10.0
     rim_hold: float = 1.0
-    sweeps: int = 50
+    tolerance: float = 0.01
 
     def __post_init__(self) -> None:
         for name in ("margin", "change_length", "integrability_length", "rim_hold"):
             value = getattr(self, name)
             if not is_number(value) or value < 0:
                 raise refuse(name, "must be a number >= 0", value)
-        if not is_number(self.crease_turn) or self.crease_turn <= 0:
-            raise refuse("crease_turn", "must be a number > 0", self.crease_turn)
-        if self.sweeps < 1:
-            raise refuse("sweeps", "must be at least 1", self.sweeps)
+        for name in ("crease_turn", "change_reach", "tolerance"):
+            value = getattr(self, name)
+            if not is_number(value) or value <= 0:
+                raise refuse(name, "must be a number > 0", value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +110,7 @@ def refine(
     *,
     alpha: ArrayLike | None = None,
     options: RefinementOptions | None = None,
+    guess: NormalField | None = None,
     progress: Progress | None = None,
 ) -> Refinement:
     """
@@ -113,6 +128,9 @@ def refine(
         Coverage in [0, 1], which places the outline between pixels; the mask's own by default.
     options : RefinementOptions, optional
         Weights.
+    guess : NormalField, optional
+        Where to start looking: the answer to a problem like this one, under a light nearby or with other weights, makes it
+        quick.
     progress : callable, optional
         Called with the fraction done, 0 to 1; what it raises stops the refinement.
 
@@ -124,8 +142,8 @@ def refine(
     Raises
     ------
     ToonkitError
-        If the light is refused, the interval or alpha has another size, the interval is unknown on the object, or alpha
-        leaves [0, 1].
+        If the light is refused, the interval or alpha has another size, the interval is unknown on the object, alpha leaves
+        [0, 1], or the guess covers another mask.
 
     Notes
     -----
@@ -133,20 +151,38 @@ def refine(
     """
     of_type("initial_normals", initial_normals, NormalField)
     of_type("interval", interval, IlluminationInterval)
-    options = RefinementOptions() if options is None else options
-    of_type("options", options, RefinementOptions)
+    if options is not None:
+        of_type("options", options, RefinementOptions)
+    if guess is not None:
+        of_type("guess", guess, NormalField)
+        same_mask("guess", guess.mask, initial_normals.mask, "the initial normals")
     grid = MaskedGrid(initial_normals.mask)
-    start = initial_normals.vectors[grid.mask]
-    shading = _with_margin(_shading_term(grid, light, interval), start, options.margin)
-    size = float(np.sqrt(grid.size))
-    shape = initial_normals.shape
-    coverage = grid.mask.astype(np.float64) if alpha is None else as_coverage("alpha", alpha, shape)
-    silhouette = trace_silhouette(grid, coverage)
-    ties = options.rim_hold * block_sums(silhouette.pixels, 1.0 / silhouette.distances, grid.size)
-    membrane = Membrane(grid, crease_links(grid, start, options.crease_turn), ties)
-    energy = ChangeEnergy(
-        grid, shading, start, membrane, options.change_length * size, options.integrability_length * size
+    shading = _shading_term(grid, light, interval)
+    coverage = (
+        grid.mask.astype(np.float64) if alpha is None else as_coverage("alpha", alpha, initial_normals.shape)
     )
+    return refine_traced(
+        trace_silhouette(grid, coverage), initial_normals, shading,
+        grid=grid, options=options, guess=guess, progress=progress,
+    )  # fmt: skip
+
+
+def refine_traced(
+    silhouette: Silhouette,
+    initial_normals: NormalField,
+    shading: ShadingTerm,
+    *,
+    grid: MaskedGrid,
+    options: RefinementOptions | None = None,
+    guess: NormalField | None = None,
+    progress: Progress | None = None,
+) -> Refinement:
+    """Refine normals of an object whose outline has been traced, and whose intervals are known; see `refine`."""
+    options = RefinementOptions() if options is None else options
+    start = initial_normals.vectors[grid.mask]
+    shading = _with_margin(shading, start, options.margin)
+    size = float(np.sqrt(grid.size))
+    rim = block_sums(silhouette.pixels, 1.0 / silhouette.distances, grid.size)
     problem = UnitFieldProblem(
         grid=grid,
         start=start,
@@ -154,13 +190,19 @@ def refine(
         lower=shading.lower,
         upper=shading.upper,
         weight=np.ones(grid.size),
-        links=membrane.links,
-        ties=membrane.ties,
-        change_weight=energy.change_length**2,
-        integrability_weight=energy.integrability_length**2,
+        links=crease_links(grid, start, options.crease_turn),
+        ties=options.rim_hold * rim + 1.0 / (options.change_reach * size) ** 2,
+        change_weight=(options.change_length * size) ** 2,
+        integrability_weight=(options.integrability_length * size) ** 2,
     )
-    field, report = solve_unit_field(problem, energy=energy.value, sweeps=options.sweeps, progress=progress)
-    return Refinement(NormalField(grid.scatter(field), grid.mask), report)
+    field, report = solve_unit_field(
+        problem,
+        guess=None if guess is None else guess.vectors[grid.mask],
+        tolerance=options.tolerance,
+        negligible=NEGLIGIBLE,
+        progress=progress,
+    )
+    return Refinement(NormalField.of_pixels(field, grid.mask), report)
 
 
 def refine_as_printed(
@@ -224,7 +266,7 @@ def refine_as_printed(
         energy=energy.value,
         progress=progress,
     )
-    return Refinement(NormalField(grid.scatter(field), grid.mask), report)
+    return Refinement(NormalField.of_pixels(field, grid.mask), report)
 
 
 def _with_margin(shading: ShadingTerm, start: FloatArray, margin: float) -> ShadingTerm:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import functools
+import inspect
+from collections.abc import Callable
 from typing import Protocol
 
 from numpy.typing import ArrayLike
 
-from toonkit._validation import of_type, refuse
+from toonkit._validation import of_type, refuse, same_mask
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.light_fit import estimate_light
 from toonkit.methods.classical import classical
@@ -43,6 +46,7 @@ def analyze(
     light: ArrayLike | None = None,
     *,
     method: str = "toonkit",
+    previous: ToonAnalysis | None = None,
     progress: StepProgress | None = None,
 ) -> ToonAnalysis:
     """
@@ -56,6 +60,9 @@ def analyze(
         Direction from the surface to the light that the artist had in mind; estimated if not given.
     method : str, optional
         Name of an estimator in `METHODS`.
+    previous : ToonAnalysis, optional
+        An analysis of the same mask, under a light nearby: methods that start from it, `toonkit` and `classical`, answer
+        sooner.
     progress : callable, optional
         Called with the name of the running step and the fraction of the whole done, 0 to 1. What it raises cancels.
 
@@ -67,7 +74,8 @@ def analyze(
     Raises
     ------
     ToonkitError
-        If the method is unknown, the image is not a `ToonImage`, or the light is refused.
+        If the method is unknown, the image is not a `ToonImage`, the light is refused, or the previous analysis is of
+        another mask.
 
     Examples
     --------
@@ -84,4 +92,10 @@ def analyze(
     of_type("image", image, ToonImage)
     if light is None:
         light = estimate_light(image).light
-    return METHODS[method](image, light, progress=progress)
+    estimator: Callable[..., ToonAnalysis] = METHODS[method]
+    if previous is not None:
+        of_type("previous", previous, ToonAnalysis)
+        same_mask("previous", previous.image.mask, image.mask, "the picture")
+        if "previous" in inspect.signature(estimator).parameters:
+            estimator = functools.partial(estimator, previous=previous)
+    return estimator(image, light, progress=progress)

@@ -5,12 +5,17 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.refinement import refine
 from toonkit.methods.steps import StepProgress, inflated
 from toonkit.model.image import ToonImage
 
 
-def classical(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = None) -> ToonAnalysis:
+def classical(
+    image: ToonImage,
+    light: ArrayLike,
+    *,
+    previous: ToonAnalysis | None = None,
+    progress: StepProgress | None = None,
+) -> ToonAnalysis:
     """
     Analyze a picture: inflate, fit the color map, refine the change of the normals coarse to fine.
 
@@ -20,6 +25,8 @@ def classical(image: ToonImage, light: ArrayLike, *, progress: StepProgress | No
         The picture.
     light : array_like, shape (3,)
         Direction from the surface to the light.
+    previous : ToonAnalysis, optional
+        An analysis of the same picture, under a light nearby: its normals are where the refinement starts.
     progress : callable, optional
         Called with (step, fraction done).
 
@@ -39,11 +46,4 @@ def classical(image: ToonImage, light: ArrayLike, *, progress: StepProgress | No
     the integrability that normals of a surface have; see `toonkit.estimation.energy.ChangeEnergy`.
     """
     steps = inflated(image, light, progress)
-    refinement = refine(
-        steps.initial_normals,
-        steps.light,
-        steps.fitted_interval(),
-        alpha=image.alpha,
-        progress=steps.refining,
-    )
-    return steps.finished("classical", refinement)
+    return steps.finished("classical", steps.refined(steps.initial_normals, previous))

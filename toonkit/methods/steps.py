@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from toonkit._validation import FloatArray, as_light, of_type
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.color_map_fit import fit_color_map, illumination_interval
-from toonkit.estimation.inflation import inflate
-from toonkit.estimation.refinement import Refinement
-from toonkit.model.color_map import IlluminationInterval
+from toonkit.estimation.color_map_fit import allowed_interval, rank_matched
+from toonkit.estimation.energy import ShadingTerm
+from toonkit.estimation.reading import reading
+from toonkit.estimation.refinement import Refinement, RefinementOptions, refine_traced
+from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination
@@ -52,11 +54,35 @@ class Inflated:
         return illumination(self.initial_normals, self.light)
 
     def fitted_interval(self, normals: NormalField | None = None) -> IlluminationInterval:
-        """Fit the color map to N0, or to better normals (Section 3.2); return the illumination it allows each pixel."""
+        """Fit the color map to N0, or to better normals (Section 3.2); return the illumination it allows, (H, W)."""
+        allowed = self._allowed(self.initial_normals if normals is None else normals)
+        grid = reading(self.image).grid
+        return IlluminationInterval(grid.scatter(allowed.lower), grid.scatter(allowed.upper))
+
+    def refined(
+        self, normals: NormalField, previous: ToonAnalysis | None, options: RefinementOptions | None = None
+    ) -> Refinement:
+        """Fit the color map to normals and refine them (Sections 3.2 and 3.3), from an earlier answer if there is one."""
+        read = reading(self.image)
+        allowed = self._allowed(normals)
+        return refine_traced(
+            read.silhouette,
+            normals,
+            ShadingTerm(self.light, allowed.lower, allowed.upper),
+            grid=read.grid,
+            options=options,
+            guess=None if previous is None else previous.normals,
+            progress=self.refining,
+        )
+
+    def _allowed(self, normals: NormalField) -> IlluminationInterval:
         if self.progress is not None:
             self.progress("fitting the color map", INFLATED)
-        lit = self.initial_illumination if normals is None else illumination(normals, self.light)
-        return illumination_interval(self.image, fit_color_map(self.image, lit))
+        return allowed_interval(reading(self.image).tones, self._fitted(normals))
+
+    def _fitted(self, normals: NormalField) -> ColorMap:
+        lit = np.clip(normals.vectors[self.image.mask] @ self.light, -1.0, 1.0)
+        return rank_matched(reading(self.image).tones, lit)
 
     def refining(self, fraction: float) -> None:
         """Report how far the refinement is, 0 to 1."""
@@ -65,7 +91,7 @@ class Inflated:
 
     def finished(self, method: str, refinement: Refinement) -> ToonAnalysis:
         """Re-estimate the color map on the refined normals (every method does) and hand everything over."""
-        color_map = fit_color_map(self.image, illumination(refinement.normals, self.light))
+        color_map = self._fitted(refinement.normals)
         if self.progress is not None:
             self.progress("done", 1.0)
         return ToonAnalysis(
@@ -85,5 +111,4 @@ def inflated(image: ToonImage, light: ArrayLike, progress: StepProgress | None) 
     direction = as_light("light", light)
     if progress is not None:
         progress("inflating the silhouette", 0.0)
-    normals = inflate(image.mask, alpha=image.alpha)
-    return Inflated(image, direction, normals, progress)
+    return Inflated(image, direction, reading(image).initial_normals, progress)

@@ -153,13 +153,28 @@ class ColorMap:
         if not tolerance >= 0:
             raise refuse("tolerance", "must be a number >= 0", tolerance)
         tones = tone(np.asarray(color, dtype=np.float64))
+        return self.allowed(tones - tolerance, tones + tolerance)
+
+    def allowed(self, darkest: FloatArray, brightest: FloatArray) -> IlluminationInterval:
+        """
+        Range of illumination whose tones lie between two: see `invert`, which gives one color twice.
+
+        Parameters
+        ----------
+        darkest, brightest : ndarray, shape (...)
+            Tones; NaN gives NaN.
+
+        Returns
+        -------
+        IlluminationInterval
+            Bounds of shape (...).
+        """
         where, highest_so_far, lowest_to_come = self._tone_envelopes
-        darkest, brightest = tones - tolerance, tones + tolerance
         lower = _crossing(darkest, highest_so_far, where, side="left")
         upper = _crossing(brightest, lowest_to_come, where, side="right")
         lower = np.where(darkest <= highest_so_far[0], -1.0, lower)
         upper = np.where(brightest >= lowest_to_come[-1], 1.0, upper)
-        unknown = np.isnan(tones)
+        unknown = np.isnan(darkest) | np.isnan(brightest)
         return IlluminationInterval(np.where(unknown, np.nan, lower), np.where(unknown, np.nan, upper))
 
     @cached_property

@@ -50,7 +50,7 @@ class ToonImage:
     color: FloatArray
     mask: BoolArray
     alpha: FloatArray = field(kw_only=True, default=None)  # type: ignore[arg-type]  # None until __post_init__
-    fringe: FloatArray = field(kw_only=True, default=None)  # type: ignore[arg-type]  # None until __post_init__
+    fringe: FloatArray = field(kw_only=True, default_factory=lambda: None)  # type: ignore[arg-type,return-value]
 
     def __post_init__(self) -> None:
         color = as_array("color", self.color, (None, None, 3))
@@ -78,6 +78,23 @@ class ToonImage:
         for name, value in (("color", color), ("mask", mask), ("alpha", alpha), ("fringe", fringe)):
             object.__setattr__(self, name, value)
 
+    @classmethod
+    def like(cls, image: ToonImage, color: FloatArray, fringe_colors: FloatArray) -> ToonImage:
+        """Make a picture on the mask and alpha of another one, of colors (H, W, 3) and (n, 3) that need no check or copy."""
+        picture = object.__new__(cls)
+        shared = {name: getattr(image, name) for name in ("mask", "alpha", "fringe_places", "fringe_sources")}
+        picture.__dict__.update(shared, color=color, fringe_colors=fringe_colors)
+        return picture
+
+    def __getattr__(self, name: str) -> FloatArray:
+        # Only a picture made `like` another one comes here: its fringe takes a tenth of a second at 4096 x 4096.
+        if name != "fringe" or "fringe_colors" not in self.__dict__:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        fringe = np.full_like(self.color, np.nan)
+        fringe[self.fringe_places] = self.fringe_colors
+        self.__dict__["fringe"] = fringe
+        return fringe
+
     @property
     def shape(self) -> tuple[int, int]:
         """Height and width in pixels."""
@@ -85,18 +102,32 @@ class ToonImage:
         return height, width
 
     @cached_property
+    def fringe_places(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Row and column of the fringe's pixels, in row-major order."""
+        rows, columns = np.nonzero((self.alpha > 0) & ~self.mask)
+        return rows, columns
+
+    @cached_property
+    def fringe_colors(self) -> FloatArray:
+        """Their colors, shape (n, 3)."""
+        colors: FloatArray = self.fringe[self.fringe_places]
+        return colors
+
+    @cached_property
     def fringe_sources(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Row and column of the object pixel nearest to each fringe pixel, in the order of `fringe[touched]`."""
-        touched = ~np.isnan(self.fringe[..., 0])
-        if not touched.any():
+        """Row and column of the object pixel nearest to each pixel of the fringe, in its order."""
+        places = self.fringe_places
+        if len(places[0]) == 0:
             return np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp)
         rows, columns = nearest_object_pixel(self.mask)
-        return rows[touched], columns[touched]
+        return rows[places], columns[places]
 
     def to_rgba(self) -> NDArray[np.uint8]:
         """Return the picture as 8-bit straight-alpha RGBA, shape (H, W, 4); transparent black where alpha is 0."""
-        painted = np.where(self.mask[..., None], self.color, self.fringe)
-        rgba = np.concatenate([np.nan_to_num(painted), self.alpha[..., None]], axis=-1)
+        rgba = np.zeros((*self.shape, 4))
+        rgba[self.mask, :3] = self.color[self.mask]
+        rgba[(*self.fringe_places, slice(0, 3))] = self.fringe_colors
+        rgba[..., 3] = self.alpha
         return np.round(rgba * 255).astype(np.uint8)
 
 

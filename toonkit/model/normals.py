@@ -68,6 +68,16 @@ class NormalField:
         object.__setattr__(self, "vectors", vectors)
         object.__setattr__(self, "mask", mask)
 
+    @classmethod
+    def of_pixels(cls, vectors: FloatArray, mask: BoolArray) -> NormalField:
+        """Make a field of the unit vectors (P, 3), z >= 0, of a mask's pixels in row-major order; nothing is checked."""
+        field = object.__new__(cls)
+        scattered = np.full((*mask.shape, 3), np.nan)
+        scattered[mask] = vectors
+        object.__setattr__(field, "vectors", scattered)
+        object.__setattr__(field, "mask", mask)
+        return field
+
     @property
     def shape(self) -> tuple[int, int]:
         """Height and width in pixels."""

@@ -6,6 +6,7 @@ which points down, meets the frame's y, which points up.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -13,12 +14,16 @@ from numba import njit
 from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray
+from toonkit.numerics.bands import Bands
 
 RIGHT, UP, LEFT, DOWN = 0, 1, 2, 3
 STEPS = ((0, 1), (-1, 0), (0, -1), (1, 0))
 """(row, column) step to each neighbor: up is y + 1, hence row - 1."""
 
 OUTSIDE = -1
+
+STIFFNESS = 0.5
+"""Two links of length h become one of length 2 h between blocks: half the stiffness of their sum."""
 
 IndexArray = NDArray[np.int32]
 
@@ -48,7 +53,7 @@ class MaskedGrid:
 
     def __init__(self, mask: BoolArray) -> None:
         self.mask = mask
-        self.rows, self.columns = np.nonzero(mask)
+        self.rows, self.columns = (where.astype(np.int32) for where in np.nonzero(mask))
         self.size = len(self.rows)
         framed = np.full((mask.shape[0] + 2, mask.shape[1] + 2), OUTSIDE, dtype=np.int32)
         framed[1:-1, 1:-1][mask] = np.arange(self.size, dtype=np.int32)
@@ -61,6 +66,11 @@ class MaskedGrid:
     def rim(self) -> BoolArray:
         """Pixels that touch the background through a side, shape (P,)."""
         return rim_mask(self.mask)[self.mask]
+
+    @cached_property
+    def bands(self) -> Bands:
+        """The pixels cut into bands, for loops on all cores."""
+        return Bands.of(self.rows)
 
     def gather(self, image: NDArray[np.generic]) -> NDArray[np.generic]:
         """Image form (H, W, ...) to compact form (P, ...)."""
@@ -120,23 +130,72 @@ class MaskedGrid:
         result: FloatArray = _laplacian(self.neighbors, field)
         return result
 
-    def coarsened(self) -> tuple[MaskedGrid, IndexArray]:
+    @cached_property
+    def coarsening(self) -> Coarsening:
+        """The way to the grid of half the resolution."""
+        height, width = self.mask.shape
+        even = np.pad(self.mask, ((0, height % 2), (0, width % 2)))
+        blocks = even.reshape(even.shape[0] // 2, 2, even.shape[1] // 2, 2)
+        coarse = MaskedGrid(np.asarray(blocks.any(axis=(1, 3))))
+        return Coarsening(self, coarse, coarse.index[self.rows // 2, self.columns // 2])
+
+    def coarsenings(self, size: int) -> list[Coarsening]:
+        """Return the way to a grid of so many pixels at most, fine to coarse."""
+        steps: list[Coarsening] = []
+        grid = self
+        while grid.size > size:
+            steps.append(grid.coarsening)
+            grid = grid.coarsening.coarse
+        return steps
+
+
+@dataclass(frozen=True, eq=False)
+class Coarsening:
+    """
+    A grid and that of its 2 x 2 blocks.
+
+    Attributes
+    ----------
+    fine, coarse : MaskedGrid
+        A block is on the coarse grid if any of its pixels is on the fine one.
+    parent : ndarray, shape (P,)
+        Compact index, in the coarse grid, of each pixel's block.
+    """
+
+    fine: MaskedGrid
+    coarse: MaskedGrid
+    parent: IndexArray
+
+    def sums(self, values: FloatArray) -> FloatArray:
+        """Sum values (P,) over each block."""
+        return block_sums(self.parent, values, self.coarse.size)
+
+    def links(self, links: FloatArray) -> FloatArray:
+        """Stiffness (P, 4) of links between pixels to that of links between blocks."""
+        right, lower = self.fine.columns % 2 == 1, self.fine.rows % 2 == 1
+        crossing = (right, ~lower, ~right, lower)  # which pixels of a block reach across, by direction
+        sums = [self.sums(links[:, k] * side) for k, side in enumerate(crossing)]
+        return STIFFNESS * np.stack(sums, axis=1)
+
+    def interpolated(self, field: FloatArray, out: FloatArray) -> FloatArray:
         """
-        Return the grid of 2 x 2 blocks and the block of each pixel.
+        Interpolate a coarse field, linearly between block centers, at the fine pixels.
+
+        Parameters
+        ----------
+        field : ndarray, shape (coarse size, C)
+            The field.
+        out : ndarray, shape (P, C)
+            Overwritten with the result.
 
         Returns
         -------
-        grid : MaskedGrid
-            A block is on it if any of its pixels is on this grid.
-        parent : ndarray, shape (P,)
-            Compact index, in the coarse grid, of each pixel's block.
+        ndarray, shape (P, C)
+            `out`. Of blocks that are missing the pixel's own stands in.
         """
-        height, width = self.mask.shape
-        mask = np.zeros(((height + 1) // 2, (width + 1) // 2), dtype=np.bool_)
-        mask[self.rows // 2, self.columns // 2] = True
-        index = np.full(mask.shape, OUTSIDE, dtype=np.int32)
-        index[mask] = np.arange(int(mask.sum()), dtype=np.int32)
-        return MaskedGrid(mask), index[self.rows // 2, self.columns // 2]
+        fine = self.fine
+        fine.bands.run(_interpolate, fine.rows, fine.columns, self.parent, self.coarse.neighbors, field, out)
+        return out
 
 
 def rim_mask(mask: BoolArray) -> BoolArray:
@@ -162,3 +221,22 @@ def _laplacian(neighbors, field):  # type: ignore[no-untyped-def]
 def block_sums(index: NDArray[np.integer], values: FloatArray, count: int) -> FloatArray:
     """Sum values that share an index: shape (count,), 0 where none has it."""
     return np.bincount(index, weights=values, minlength=count).astype(np.float64, copy=False)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _interpolate(rows, columns, parent, neighbors, field, out, first, last):  # type: ignore[no-untyped-def]
+    for p in range(first, last):
+        own = parent[p]
+        along = neighbors[own, 0 if columns[p] & 1 else 2]
+        up_or_down = 3 if rows[p] & 1 else 1
+        above = neighbors[own, up_or_down]
+        across = neighbors[along, up_or_down] if along >= 0 else OUTSIDE
+        if along < 0:
+            along = own
+        if above < 0:
+            above = own
+        if across < 0:
+            across = own
+        for c in range(field.shape[1]):
+            beside = field[along, c] + field[above, c]
+            out[p, c] = 0.5625 * field[own, c] + 0.1875 * beside + 0.0625 * field[across, c]

@@ -2,23 +2,33 @@
 
 The system is A x = b with (A x)_p = d_p x_p + sum over neighbors q of w_pq (x_p - x_q): a Laplace or Poisson problem whose
 links may have different stiffness and whose pixels may be tied to given values (d, b). A is symmetric and, where every
-component has a tie, positive definite.
+component has a tie, positive definite. Two problems with the same A are one with complex x and b.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
-from toonkit.numerics.masked_grid import OUTSIDE, IndexArray, MaskedGrid, block_sums
+from toonkit.numerics.bands import inner
+from toonkit.numerics.masked_grid import OUTSIDE, Coarsening, MaskedGrid
 from toonkit.numerics.report import SolverReport
 
 COARSEST_SIZE = 32
-COARSE_STIFFNESS = 0.5
-"""Two links of length h become one of length 2 h between blocks: half the stiffness of their sum."""
+COARSEST_SWEEPS = 8
+"""Sweeps on the coarsest grid, each way."""
+
+LINEAR = 12
+"""Iterations with corrections that are interpolated linearly. Links that differ a hundredfold from one to the next may need
+more: then block by block, which makes the cycle symmetric and slower but sure."""
+
+Field = NDArray[Any]
+"""float64, or complex128 for two fields at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,23 +50,31 @@ class Membrane:
     links: FloatArray
     ties: FloatArray
 
-    def apply(self, field: FloatArray) -> FloatArray:
-        """Return A x for x of shape (P, C)."""
+    def apply(self, field: Field) -> Field:
+        """Return A x for x of shape (P,), float64 or complex128."""
         result = np.empty_like(field)
-        _apply(self.grid.neighbors, self.links, self.ties, field, result)
+        self.grid.bands.run(_apply, *self._arguments, field, result)
         return result
 
-    def coarsened(self) -> tuple[Membrane, IndexArray]:
-        """Return the same problem on 2 x 2 blocks, and the block of each pixel."""
-        coarse, parent = self.grid.coarsened()
-        links = np.zeros((coarse.size, 4))
-        for direction in range(4):
-            there = self.grid.neighbors[:, direction]
-            crossing = np.flatnonzero(there != OUTSIDE)
-            crossing = crossing[parent[there[crossing]] != parent[crossing]]
-            links[:, direction] = block_sums(parent[crossing], self.links[crossing, direction], coarse.size)
-        ties = block_sums(parent, self.ties, coarse.size)
-        return Membrane(coarse, COARSE_STIFFNESS * links, COARSE_STIFFNESS * ties), parent
+    def coarsened(self) -> Membrane:
+        """Return the same problem on 2 x 2 blocks."""
+        step = self.grid.coarsening
+        return Membrane(step.coarse, step.links(self.links), step.sums(self.ties))
+
+    @property
+    def _arguments(self) -> tuple[Any, ...]:
+        return self.grid.neighbors, self.links, self.ties
+
+    def relax(self, right_side: Field, field: Field, *, backward: bool) -> None:
+        """Sweep once, in place: every pixel takes the value that its own equation asks for."""
+        self.grid.bands.sweep(_relax, *self._arguments, right_side, field, backward=backward)
+
+    def block_residuals(self, right_side: Field, field: Field) -> Field:
+        """Residual b - A x, summed over 2 x 2 blocks."""
+        step = self.grid.coarsening
+        sums = np.zeros(step.coarse.size, field.dtype)
+        self.grid.bands.run(_sum_residuals, *self._arguments, right_side, field, step.parent, sums)
+        return sums
 
 
 def uniform_links(grid: MaskedGrid) -> FloatArray:
@@ -67,12 +85,12 @@ def uniform_links(grid: MaskedGrid) -> FloatArray:
 
 def solve_membrane(
     membrane: Membrane,
-    right_side: FloatArray,
+    right_side: Field,
     *,
-    start: FloatArray | None = None,
+    start: Field | None = None,
     tolerance: float = 1e-7,
     max_iterations: int = 200,
-) -> tuple[FloatArray, SolverReport]:
+) -> tuple[Field, SolverReport]:
     """
     Solve A x = b by conjugate gradients with one multigrid V-cycle as preconditioner.
 
@@ -80,10 +98,10 @@ def solve_membrane(
     ----------
     membrane : Membrane
         The matrix A.
-    right_side : ndarray, shape (P, C)
-        C right sides, solved together.
-    start : ndarray, shape (P, C), optional
-        First guess; zero by default.
+    right_side : ndarray, shape (P,)
+        float64, or complex128 for two right sides that are solved together.
+    start : ndarray, shape (P,), optional
+        First guess; by default that of coarser grids.
     tolerance : float, optional
         Residual norm to reach, relative to that of the right side.
     max_iterations : int, optional
@@ -91,115 +109,139 @@ def solve_membrane(
 
     Returns
     -------
-    field : ndarray, shape (P, C)
-        The solution.
+    field : ndarray, shape (P,)
+        The solution, of the type of the right side.
     report : SolverReport
         Its energies are those of the quadratic 1/2 x·Ax - b·x, summed over the right sides.
 
     Notes
     -----
-    The V-cycle coarsens by 2 x 2 blocks, so that the coarse problem is again a membrane, whatever the outline.
-    One Gauss-Seidel sweep down and the reversed sweep up keep the preconditioner symmetric.
+    The V-cycle coarsens by 2 x 2 blocks, so that the coarse problem is again a membrane, whatever the outline. Residuals are
+    summed and corrections interpolated linearly, which is not quite symmetric: the directions are made conjugate by the
+    formula of Polak and Ribière, which does not ask for that.
     """
     levels = _levels(membrane)
-    field = np.zeros_like(right_side) if start is None else start.copy()
+    field = _from_coarse_grids(levels, right_side) if start is None else start.astype(right_side.dtype)
     residual = right_side - membrane.apply(field)
-    limit = tolerance * np.linalg.norm(right_side, axis=0)
+    limit = tolerance * np.sqrt(inner(right_side, right_side))
     energies = [_energy(field, right_side, residual)]
     direction = np.zeros_like(field)
-    previous = np.ones(field.shape[1])
+    before = np.zeros_like(field)
+    previous = 1.0
     for iteration in range(max_iterations):
-        if (np.linalg.norm(residual, axis=0) <= limit).all():
+        if np.sqrt(inner(residual, residual)) <= limit:
             return field, SolverReport(
                 iteration, np.array(energies), "the residual met its tolerance", converged=True
             )
-        improved = _v_cycle(levels, 0, residual)
-        slope = np.einsum("pc,pc->c", residual, improved)
-        direction = improved + (slope / previous if iteration else 0.0) * direction
+        improved = _v_cycle(levels, 0, residual, linear=iteration < LINEAR)
+        slope = inner(residual, improved)
+        afresh = iteration in (0, LINEAR)
+        direction *= 0.0 if afresh else max((slope - inner(before, improved)) / previous, 0.0)
+        direction += improved
         image = membrane.apply(direction)
-        curvature = np.einsum("pc,pc->c", direction, image)
-        step = np.divide(slope, curvature, out=np.zeros_like(slope), where=curvature > 0)
+        curvature = inner(direction, image)
+        step = inner(residual, direction) / curvature if curvature > 0 else 0.0
+        before[:] = residual
         field += step * direction
         residual -= step * image
-        previous = np.where(slope > 0, slope, 1.0)
+        previous = slope if slope > 0 else 1.0
         energies.append(_energy(field, right_side, residual))
     return field, SolverReport(
         max_iterations, np.array(energies), "the iteration limit was reached", converged=False
     )
 
 
-def _energy(field: FloatArray, right_side: FloatArray, residual: FloatArray) -> float:
+def _energy(field: Field, right_side: Field, residual: Field) -> float:
     # 1/2 x·Ax - b·x with Ax = b - r
-    return float(-0.5 * np.sum(field * (right_side + residual)))
+    return -0.5 * inner(field, right_side + residual)
 
 
-def _levels(membrane: Membrane) -> list[tuple[Membrane, IndexArray | None]]:
-    levels: list[tuple[Membrane, IndexArray | None]] = []
-    while membrane.grid.size > COARSEST_SIZE:
-        coarse, parent = membrane.coarsened()
-        levels.append((membrane, parent))
-        membrane = coarse
-    return [*levels, (membrane, None)]
+def _levels(membrane: Membrane) -> list[Membrane]:
+    levels = [membrane]
+    while levels[-1].grid.size > COARSEST_SIZE:
+        levels.append(levels[-1].coarsened())
+    return levels
 
 
-def _v_cycle(
-    levels: list[tuple[Membrane, IndexArray | None]], depth: int, right_side: FloatArray
-) -> FloatArray:
-    membrane, parent = levels[depth]
-    grid, links, ties = membrane.grid, membrane.links, membrane.ties
-    field = np.zeros_like(right_side)
-    if parent is None:
-        for _ in range(8):
-            _sweep(grid.neighbors, links, ties, right_side, field, False)
-            _sweep(grid.neighbors, links, ties, right_side, field, True)
-        return field
-    _sweep(grid.neighbors, links, ties, right_side, field, False)
-    coarse_size = levels[depth + 1][0].grid.size
-    restricted = np.zeros((coarse_size, right_side.shape[1]))
-    _restrict_residual(grid.neighbors, links, ties, right_side, field, parent, restricted)
-    field += _v_cycle(levels, depth + 1, restricted)[parent]
-    _sweep(grid.neighbors, links, ties, right_side, field, True)
+def _from_coarse_grids(levels: list[Membrane], right_side: Field) -> Field:
+    """Nested iteration: a cycle on each coarser grid, from the coarsest, each starting where the last one ended."""
+    right_sides = [right_side]
+    for membrane in levels[:-1]:
+        right_sides.append(_block_sums(membrane.grid.coarsening, right_sides[-1]))
+    field = _v_cycle(levels, len(levels) - 1, right_sides[-1])
+    for depth in reversed(range(len(levels) - 1)):
+        field = _interpolated(levels[depth].grid.coarsening, field)
+        if depth:
+            field += _v_cycle(levels, depth, right_sides[depth] - levels[depth].apply(field))
     return field
 
 
-@njit(cache=True, nogil=True)
-def _apply(neighbors, links, ties, field, result):  # type: ignore[no-untyped-def]
-    for p in range(field.shape[0]):
-        for c in range(field.shape[1]):
-            value = ties[p] * field[p, c]
-            for k in range(4):
-                q = neighbors[p, k]
-                if q >= 0:
-                    value += links[p, k] * (field[p, c] - field[q, c])
-            result[p, c] = value
+def _v_cycle(levels: list[Membrane], depth: int, right_side: Field, *, linear: bool = True) -> Field:
+    membrane = levels[depth]
+    field = np.zeros_like(right_side)
+    if depth == len(levels) - 1:
+        for _ in range(COARSEST_SWEEPS):
+            membrane.relax(right_side, field, backward=False)
+            membrane.relax(right_side, field, backward=True)
+        return field
+    membrane.relax(right_side, field, backward=False)
+    correction = _v_cycle(levels, depth + 1, membrane.block_residuals(right_side, field), linear=linear)
+    step = membrane.grid.coarsening
+    field += _interpolated(step, correction) if linear else correction[step.parent]
+    membrane.relax(right_side, field, backward=True)
+    return field
 
 
-@njit(cache=True, nogil=True)
-def _sweep(neighbors, links, ties, right_side, field, backward):  # type: ignore[no-untyped-def]
-    size = field.shape[0]
-    for i in range(size):
-        p = size - 1 - i if backward else i
-        stiffness = ties[p]
+def _interpolated(step: Coarsening, field: Field) -> Field:
+    out = np.empty(step.fine.size, field.dtype)
+    step.interpolated(_parts(field), _parts(out))
+    return out
+
+
+def _block_sums(step: Coarsening, field: Field) -> Field:
+    sums = [step.sums(part) for part in _parts(field).T]
+    return np.stack(sums, axis=1).view(field.dtype)[:, 0]
+
+
+def _parts(field: Field) -> FloatArray:
+    """View a field (P,) as real numbers (P, 1), or (P, 2) where it is complex."""
+    return field.view(np.float64).reshape(len(field), -1)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _apply(neighbors, links, ties, field, result, first, last):  # type: ignore[no-untyped-def]
+    for p in range(first, last):
+        here = field[p]
+        value = ties[p] * here
         for k in range(4):
-            stiffness += links[p, k]
-        if stiffness <= 0.0:
-            continue  # a lone pixel without a tie: nothing determines it, its start stands
-        for c in range(field.shape[1]):
-            value = right_side[p, c]
-            for k in range(4):
-                q = neighbors[p, k]
-                if q >= 0:
-                    value += links[p, k] * field[q, c]
-            field[p, c] = value / stiffness
+            q = neighbors[p, k]
+            if q >= 0:
+                value += links[p, k] * (here - field[q])
+        result[p] = value
 
 
-@njit(cache=True, nogil=True)
-def _restrict_residual(neighbors, links, ties, right_side, field, parent, restricted):  # type: ignore[no-untyped-def]
-    for p in range(field.shape[0]):
-        for c in range(field.shape[1]):
-            value = right_side[p, c] - ties[p] * field[p, c]
-            for k in range(4):
-                q = neighbors[p, k]
-                if q >= 0:
-                    value -= links[p, k] * (field[p, c] - field[q, c])
-            restricted[parent[p], c] += value
+@njit(cache=True, nogil=True, error_model="numpy")
+def _relax(neighbors, links, ties, right_side, field, backward, first, last):  # type: ignore[no-untyped-def]
+    for i in range(first, last):
+        p = first + last - 1 - i if backward else i
+        stiffness = ties[p]
+        value = right_side[p]
+        for k in range(4):
+            q = neighbors[p, k]
+            if q >= 0:
+                stiffness += links[p, k]
+                value += links[p, k] * field[q]
+        if stiffness > 0.0:  # nothing determines a lone pixel without a tie: its start stands
+            field[p] = value * (1.0 / stiffness)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _sum_residuals(neighbors, links, ties, right_side, field, parent, sums, first, last):  # type: ignore[no-untyped-def]
+    for p in range(first, last):
+        here = field[p]
+        value = right_side[p] - ties[p] * here
+        for k in range(4):
+            q = neighbors[p, k]
+            if q >= 0:
+                value -= links[p, k] * (here - field[q])
+        sums[parent[p]] += value

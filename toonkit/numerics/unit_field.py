@@ -1,6 +1,7 @@
-"""Unit-vector fields by coarse-to-fine pointwise minimization.
+"""
+Fields of unit vectors by multigrid on the masked grid.
 
-Minimizes, over unit vectors with z >= 0 on a masked grid,
+Minimizes, over unit vectors with z >= 0,
 
     sum w_p P(L · n_p) + l² (sum over links k_pq |d_p - d_q|² + sum t_p |d_p|²) + m² sum r_p²,      d = n - n0,
 
@@ -10,17 +11,34 @@ where P is the squared distance of L · n to an interval and r the integrability
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from toonkit._validation import FloatArray
-from toonkit.numerics.masked_grid import IndexArray, MaskedGrid, block_sums
-from toonkit.numerics.membrane import Membrane
+from toonkit.numerics.bands import inner
+from toonkit.numerics.masked_grid import Coarsening, MaskedGrid
 from toonkit.numerics.report import SolverReport
-from toonkit.numerics.unit_field_kernels import sweep_unit_field
+from toonkit.numerics.unit_field_kernels import finish_blocks, gather_blocks, relax, retract, slope
 
-COARSEST_SIZE = 64
+COARSEST_SIZE = 1000
+"""Pixels of the coarsest grid at most: on still coarser ones one vector stands for too much of an object's curvature."""
+
+COARSEST_SWEEPS = 10
+"""Sweeps there, each way."""
+
+SMALL = 16 * COARSEST_SIZE
+"""Pixels below which a coarser grid's correction is as long as suits this one; on finer grids it fits as it is."""
+
+LEVEL, TRIALS = 0.3, 4
+"""Share of the first slope that is left where a step is long enough, and how many lengths are tried."""
+
+LONGEST_STEP = 2.0
+"""How far a coarse grid's correction is followed at most, in units of itself."""
+
+_NONE = np.zeros(0)
+_NO_SOURCE = np.zeros((0, 3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,49 +77,46 @@ class UnitFieldProblem:
     change_weight: float
     integrability_weight: float
 
-    def coarsened(self) -> tuple[UnitFieldProblem, IndexArray]:
-        """Return the same problem on 2 x 2 blocks, and the block of each pixel."""
-        membrane, parent = Membrane(self.grid, self.links, self.ties).coarsened()
-        grid = membrane.grid
-        weight = block_sums(parent, self.weight, grid.size)
-
-        def mean(values: FloatArray) -> FloatArray:
-            return block_sums(parent, self.weight * values, grid.size) / weight
-
-        start = np.stack([mean(component) for component in self.start.T], axis=1)
+    def coarsened(self, step: Coarsening) -> UnitFieldProblem:
+        """Return the same problem on 2 x 2 blocks: of intervals and vectors the means, of links what is as stiff."""
+        weight = step.sums(self.weight)
+        start = np.stack([step.sums(self.weight * part) for part in self.start.T], axis=1)
         return replace(
             self,
-            grid=grid,
-            start=_normalized(start),
-            lower=mean(self.lower),
-            upper=mean(self.upper),
+            grid=step.coarse,
+            start=moved(step.coarse, start, start),
+            lower=step.sums(self.weight * self.lower) / weight,
+            upper=step.sums(self.weight * self.upper) / weight,
             weight=weight,
-            links=membrane.links,
-            ties=membrane.ties,
-        ), parent
+            links=step.links(self.links),
+            ties=step.sums(self.ties),
+        )
 
 
 def solve_unit_field(
     problem: UnitFieldProblem,
     *,
-    energy: Callable[[FloatArray], float],
-    sweeps: int = 40,
-    tolerance: float = 1e-4,
+    guess: FloatArray | None = None,
+    tolerance: float = 1e-6,
+    negligible: float = 0.0,
+    max_cycles: int = 100,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[FloatArray, SolverReport]:
     """
-    Minimize, from the coarsest grid to the given one.
+    Minimize from n0, from the answer of coarser grids, or from a guess: whichever has the least energy.
 
     Parameters
     ----------
     problem : UnitFieldProblem
-        The problem on the finest grid.
-    energy : callable
-        Energy of a field (P, 3) on the finest grid, for the report.
-    sweeps : int, optional
-        Gauss-Seidel sweeps allowed on each grid.
+        The problem.
+    guess : ndarray, shape (P, 3), optional
+        Unit vectors near the answer, such as the answer to a problem like this one; no coarser grid is asked for another.
     tolerance : float, optional
-        Root mean square change in one sweep, in radians, below which a grid is done.
+        Relative decrease of the energy in one cycle below which nothing is left to gain.
+    negligible : float, optional
+        Decrease of the energy in one cycle, per pixel, that does not count as a gain either.
+    max_cycles : int, optional
+        Cycles allowed.
     progress : callable, optional
         Called with the fraction done, 0 to 1; what it raises stops the solver.
 
@@ -110,62 +125,236 @@ def solve_unit_field(
     field : ndarray, shape (P, 3)
         Unit vectors.
     report : SolverReport
-        Iterations are sweeps on the finest grid; energies are those of n0, of the field that the coarser grids gave, and of
-        the result.
+        Iterations are cycles; energies are those of n0, of where the first cycle starts, and after each cycle.
 
     Notes
     -----
-    A step puts one pixel where its own energy is least, its neighbors fixed: exactly for the membrane and the interval,
-    through an upper bound of equal value and slope for the integrability. The energy never rises.
+    A cycle is a V-cycle of the full approximation scheme [1]_: coarse grids see the same kind of problem, with a linear term
+    that makes them stand still where the fine grid does, and with the illuminations that are outside their intervals held as
+    firmly as they are there. Its correction preconditions nonlinear conjugate gradients, whose step is the exact one of a
+    parabola. The energy never rises above that of n0.
+
+    References
+    ----------
+    .. [1] A. Brandt, "Multi-level adaptive solutions to boundary-value problems", Math. Comp. 31 (1977),
+       doi:10.1090/S0025-5718-1977-0431719-X
     """
-    levels = [problem]
-    parents: list[IndexArray] = []
-    while levels[-1].grid.size > COARSEST_SIZE:
-        coarse, parent = levels[-1].coarsened()
-        levels.append(coarse)
-        parents.append(parent)
-    total = float(sum(level.grid.size for level in levels))
-    done = 0.0
-    change = np.zeros_like(levels[-1].start)
-    energies = [energy(problem.start)]
-    for depth in range(len(levels) - 1, -1, -1):
-        level = levels[depth]
-        field = _normalized(level.start + change)
-        if depth == 0:
-            energies.append(energy(field))
-        share = level.grid.size / total
-        for sweep in range(1, sweeps + 1):
-            moved = _sweep_level(level, field)
-            if progress is not None:
-                progress(done + share * sweep / sweeps)
-            if moved < tolerance:
+    tell = progress if progress is not None else _ignored
+    levels = _levels(problem)
+    finest = levels[0]
+    starts = [
+        problem.start,
+        _from_coarse_grids(levels) if guess is None else moved(problem.grid, guess, guess),
+    ]
+    gradients = np.empty((2, *problem.start.shape))
+    energies = [finest.slope(*pair) for pair in zip(starts, gradients, strict=True)]
+    best = int(np.argmin(energies))
+    energies[1] = energies[best]
+    tell(0.2)
+    descent = _Descent(levels, starts[best].copy(), gradients[best], gradients[1 - best], energies[1])
+    gained = True
+    while gained and len(energies) - 2 < max_cycles:
+        descent.advance()
+        enough = tolerance * energies[-1] + negligible * problem.grid.size
+        gained = energies[-1] - descent.energy > enough
+        energies.append(descent.energy)
+        cycles = len(energies) - 2
+        tell(1.0 - 0.8 * 0.7**cycles if gained else 1.0)
+    tell(1.0)
+    lost = (energies[-2] - energies[-1]) / max(energies[-2], np.finfo(np.float64).tiny)
+    reason = "the cycle limit was reached" if gained else f"a cycle lowered the energy by {lost:.1g} of it"
+    return descent.field, SolverReport(cycles, np.array(energies), reason, converged=not gained)
+
+
+class _Descent:
+    """Conjugate gradients, preconditioned by a V-cycle, on the finest grid."""
+
+    def __init__(
+        self,
+        levels: list[_Level],
+        field: FloatArray,
+        gradient: FloatArray,
+        spare: FloatArray,
+        energy: float,
+    ) -> None:
+        self.levels, self.field, self.gradient, self.energy = levels, field, gradient, energy
+        self._trial = np.empty_like(field)
+        self._step: FloatArray | None = None
+        self._gradient_before = spare
+        self._slope_before = 0.0
+
+    def advance(self) -> None:
+        """Make one step; stay where no step lowers the energy."""
+        finest = self.levels[0]
+        improved = self._trial
+        improved[:] = self.field
+        _cycle(self.levels, 0, finest.data, _NO_SOURCE, improved)
+        step = np.subtract(improved, self.field, out=finest.room("step"))
+        along = inner(self.gradient, step)
+        first = along
+        if self._step is not None:
+            # Polak and Ribière's share of the last step: none if the two gradients have nothing to do with each other.
+            share = max((along - inner(self._gradient_before, step)) / self._slope_before, 0.0)
+            self._step *= share
+            self._step += step
+            along = inner(self.gradient, self._step)
+            if along < 0.0:
+                step = self._step
+            else:
+                along = first
+        if along >= 0.0:
+            return
+        trial, slopes = improved, self._gradient_before
+        length = 1.0
+        for _ in range(TRIALS):
+            finest.retracted(self.field, step, length, trial)
+            energy = finest.slope(trial, slopes)
+            now = inner(slopes, step)
+            if energy < self.energy and abs(now) <= LEVEL * -along:
                 break
-        done += share
-        change = field - level.start
-        if depth:
-            change = change[parents[depth - 1]]
-    energies.append(energy(field))
-    finished = moved < tolerance
-    reason = (
-        f"a sweep moved the normals by {np.rad2deg(moved):.2g} degrees"
-        if finished
-        else "the sweep limit was reached"
-    )
-    return field, SolverReport(sweep, np.array(energies), reason, converged=finished)
+            # Where a parabola through both slopes is level; half the length where there is none or it did not help.
+            level = length * along / (along - now) if now > along else LONGEST_STEP * length
+            length = (
+                min(level, LONGEST_STEP) if energy < self.energy or level < 0.5 * length else 0.5 * length
+            )
+        if energy < self.energy:
+            self._gradient_before, self.gradient = self.gradient, slopes
+            if step is not self._step:
+                self._step = step.copy()
+            self._slope_before = first
+            self.field, self._trial, self.energy = trial, self.field, energy
 
 
-def _normalized(field: FloatArray) -> FloatArray:
-    """Return unit vectors with z >= 0; a vanishing sum faces the viewer."""
-    field = field.copy()
-    field[:, 2] = np.maximum(field[:, 2], 0.0)
-    length = np.linalg.norm(field, axis=1, keepdims=True)
-    return np.where(length > 1e-9, field / np.maximum(length, 1e-9), [0.0, 0.0, 1.0])
+@dataclass(frozen=True, eq=False)
+class _Data:
+    """What a level knows of illumination: intervals, and how firmly it is held at a target (empty on the finest level)."""
+
+    hold: FloatArray
+    target: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    weight: FloatArray
 
 
-def _sweep_level(level: UnitFieldProblem, field: FloatArray) -> float:
-    """Sweep once, in place; return the root mean square move."""
-    squared = sweep_unit_field(
-        level.grid.neighbors, level.start, level.direction, level.lower, level.upper, level.weight,
-        level.links, level.ties, level.change_weight, level.integrability_weight, field,
-    )  # fmt: skip
-    return float(np.sqrt(squared / level.grid.size))
+@dataclass(frozen=True, eq=False)
+class _Level:
+    """A problem on one of the grids, and the way to the next coarser one (none on the coarsest)."""
+
+    problem: UnitFieldProblem
+    step: Coarsening | None
+    rooms: dict[str, FloatArray] = field(default_factory=dict)
+
+    def room(self, name: str) -> FloatArray:
+        """Memory for a field of vectors, kept: new memory costs as much as what is done in it."""
+        if name not in self.rooms:
+            self.rooms[name] = np.empty_like(self.problem.start)
+        return self.rooms[name]
+
+    @property
+    def data(self) -> _Data:
+        problem = self.problem
+        return _Data(_NONE, _NONE, problem.lower, problem.upper, problem.weight)
+
+    def _arguments(self, data: _Data, source: FloatArray) -> tuple[Any, ...]:
+        problem = self.problem
+        return (
+            problem.grid.neighbors, problem.start, problem.direction, data.hold, data.target, data.lower, data.upper,
+            data.weight, problem.links, problem.ties, problem.change_weight, problem.integrability_weight, source,
+        )  # fmt: skip
+
+    def relax(self, data: _Data, source: FloatArray, field: FloatArray, *, backward: bool) -> None:
+        bands = self.problem.grid.bands
+        bands.sweep(relax, *self._arguments(data, source), field, backward=backward)
+
+    def slope(
+        self,
+        field: FloatArray,
+        out: FloatArray,
+        data: _Data | None = None,
+        source: FloatArray = _NO_SOURCE,
+    ) -> float:
+        """Return the energy of a field; write its gradient."""
+        arguments = self._arguments(self.data if data is None else data, source)
+        return float(sum(self.problem.grid.bands.run(slope, *arguments, field, out)))
+
+    def retracted(self, field: FloatArray, step: FloatArray, length: float, out: FloatArray) -> FloatArray:
+        self.problem.grid.bands.run(retract, field, step, length, out)
+        return out
+
+    def restricted(
+        self, data: _Data, field: FloatArray, gradient: FloatArray
+    ) -> tuple[FloatArray, FloatArray, _Data]:
+        """Mean vectors, summed slopes and illumination of the blocks, as the coarser grid sees them."""
+        assert self.step is not None
+        size = self.step.coarse.size
+        light = self.problem.direction
+        mean, slopes = np.zeros((size, 3)), np.zeros((size, 3))
+        hold, lower, upper, weight = np.zeros((4, size))
+        self.problem.grid.bands.run(
+            gather_blocks, self.step.parent, light, field, gradient, data.hold, data.lower, data.upper, data.weight,
+            mean, slopes, hold, lower, upper, weight,
+        )  # fmt: skip
+        lit = np.empty(size)
+        self.step.coarse.bands.run(finish_blocks, light, mean, lower, upper, weight, lit)
+        return mean, slopes, _Data(hold, lit, lower, upper, weight)
+
+
+def _levels(problem: UnitFieldProblem) -> list[_Level]:
+    levels: list[_Level] = []
+    for step in problem.grid.coarsenings(COARSEST_SIZE):
+        levels.append(_Level(problem, step))
+        problem = problem.coarsened(step)
+    return [*levels, _Level(problem, None)]
+
+
+def _from_coarse_grids(levels: list[_Level]) -> FloatArray:
+    """Nested iteration: a cycle on each coarser grid, starting from the change that the next coarser one found."""
+    field = levels[-1].problem.start.copy()
+    for depth in reversed(range(1, len(levels))):
+        level = levels[depth]
+        _cycle(levels, depth, level.data, _NO_SOURCE, field)
+        finer = levels[depth - 1]
+        assert finer.step is not None
+        start = finer.problem.start
+        change = finer.step.interpolated(field - level.problem.start, np.empty_like(start))
+        field = finer.retracted(start, change, 1.0, change)
+    return field
+
+
+def _cycle(levels: list[_Level], depth: int, data: _Data, source: FloatArray, field: FloatArray) -> None:
+    """Improve a field in place: relax, let the coarser grids correct it, relax in the opposite order."""
+    level = levels[depth]
+    if level.step is None:
+        for _ in range(COARSEST_SWEEPS):
+            level.relax(data, source, field, backward=False)
+            level.relax(data, source, field, backward=True)
+        return
+    level.relax(data, source, field, backward=False)
+    gradient = level.room("gradient")
+    energy = level.slope(field, gradient, data, source)
+    coarse_start, slopes, coarse_data = level.restricted(data, field, gradient)
+    # What makes the coarse grid stand still where this one does.
+    standing = np.empty_like(coarse_start)
+    levels[depth + 1].slope(coarse_start, standing, coarse_data)
+    coarse_field = coarse_start.copy()
+    _cycle(levels, depth + 1, coarse_data, standing - slopes, coarse_field)
+    step = level.step.interpolated(coarse_field - coarse_start, level.room("step"))
+    length = 1.0
+    if len(field) < SMALL:
+        along = inner(gradient, step)
+        trial = level.retracted(field, step, 1.0, level.room("trial"))
+        bend = level.slope(trial, gradient, data, source) - energy - along
+        length = float(np.clip(-along / (2.0 * bend), 0.0, LONGEST_STEP)) if bend > 0.0 else 1.0
+    level.retracted(field, step, length, field)
+    level.relax(data, source, field, backward=True)
+
+
+def moved(grid: MaskedGrid, field: FloatArray, step: FloatArray) -> FloatArray:
+    """Return the unit vectors (P, 3) of a field plus a step, z >= 0; one that vanishes faces the viewer."""
+    out = np.empty_like(field)
+    grid.bands.run(retract, field, step, 1.0, out)
+    return out
+
+
+def _ignored(_fraction: float) -> None:
+    """Stand in for a progress callable."""

@@ -1,7 +1,6 @@
-"""The compiled pixel loop of the unit-field solver: one file, because a compiled cache does not see changes in another.
+"""The compiled pixel loops of the unit-field solver: one file, because a compiled cache does not see changes in another.
 
-A step takes the pull of the neighbors and of the integrability on one pixel's vector, and puts it where that pull and the
-interval penalty balance.
+All of them work on the pixels first to last of a grid, so that bands of it can be done at once, and write to those alone.
 """
 
 from __future__ import annotations
@@ -9,156 +8,289 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from toonkit._validation import FloatArray
-from toonkit.numerics.masked_grid import IndexArray
-
-NEWTON_STEPS = 40
-"""Safeguarded Newton steps allowed for the convex one-dimensional problem; most pixels need three or four."""
-
-COSINE_TOLERANCE = 1e-9
-"""Newton is done when it moves the cosine by less: the energy is then exact to the square of it."""
+LEAST_CURVATURE = 0.3
+"""Share of the pull's strength that its curvature has at least, so that a normal which looks the other way turns around."""
 
 
-@njit(cache=True, nogil=True)
-def sweep_unit_field(
-    neighbors: IndexArray,
-    start: FloatArray,
-    direction: FloatArray,
-    lower: FloatArray,
-    upper: FloatArray,
-    weight: FloatArray,
-    links: FloatArray,
-    ties: FloatArray,
-    change_weight: float,
-    curl_weight: float,
-    field: FloatArray,
-) -> float:
-    """Move every pixel once to where its own energy is least, in place; return the sum of the squared moves."""
-    pull = np.empty(3)
-    best = np.empty(3)
-    moved = 0.0
-    for p in range(field.shape[0]):
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})
+def relax(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's step, compiled as a whole
+    neighbors, start, light, hold, target, lower, upper, weight, links, ties, change_weight, curl_weight, source,
+    field, backward, first, last,
+):  # fmt: skip
+    """
+    Turn one normal after the other to where its own energy is least, in place.
+
+    One Newton step in the tangent plane, on the convex part of the energy's second derivatives; the interval counts if the
+    step would leave it. `source` (P, 3) is a linear term, `hold` and `target` (P,) a quadratic one that pulls L · n to the
+    target; empty where there is none.
+    """
+    pulled, held = source.shape[0] > 0, hold.shape[0] > 0
+    lx, ly, lz = light
+    for i in range(first, last):
+        p = first + last - 1 - i if backward else i
+        nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
+        # The membrane: its pull, and the curvature that is alike in all directions.
         stiffness = ties[p]
-        for c in range(3):
-            pull[c] = 0.0
+        fx = fy = fz = 0.0
         for k in range(4):
             q = neighbors[p, k]
             if q >= 0:
-                stiffness += links[p, k]
-                for c in range(3):
-                    pull[c] += links[p, k] * (field[q, c] - start[q, c])
-        for c in range(3):
-            pull[c] = 2.0 * change_weight * (pull[c] + stiffness * start[p, c])
-        if curl_weight > 0.0:
-            _add_curl(neighbors, field, p, curl_weight, pull)
-        for c in range(3):
-            best[c] = field[p, c]
-        best_unit_vector(pull, direction, lower[p], upper[p], weight[p], best)
-        if best[2] < 0.0:
-            # The visible side ends where z = 0: the nearest allowed vector is the projection onto that circle.
-            length = np.sqrt(best[0] ** 2 + best[1] ** 2)
-            best[0] /= length
-            best[1] /= length
-            best[2] = 0.0
-        for c in range(3):
-            moved += (best[c] - field[p, c]) ** 2
-            field[p, c] = best[c]
-    return moved
-
-
-@njit(cache=True, nogil=True)
-def _add_curl(neighbors, field, p, weight, pull):  # type: ignore[no-untyped-def]
-    """Add to the pull the linear upper bound of weight * (sum of the squared residuals that pixel p takes part in)."""
-    total = 0.0
-    for horizontal in (0, 2):
-        beside = neighbors[p, horizontal]
-        if beside < 0:
-            continue
-        sx = -1.0 if horizontal == 0 else 1.0  # on which side of the cell pixel p is
-        for vertical in (1, 3):
-            above = neighbors[p, vertical]
-            if above < 0 or neighbors[beside, vertical] < 0:
+                link = links[p, k]
+                stiffness += link
+                fx += link * (field[q, 0] - start[q, 0])
+                fy += link * (field[q, 1] - start[q, 1])
+                fz += link * (field[q, 2] - start[q, 2])
+        double = 2.0 * change_weight
+        fx = double * (fx + stiffness * start[p, 0])
+        fy = double * (fy + stiffness * start[p, 1])
+        fz = double * (fz + stiffness * start[p, 2])
+        if pulled:
+            fx += source[p, 0]
+            fy += source[p, 1]
+            fz += source[p, 2]
+        strength = np.sqrt(fx * fx + fy * fy + fz * fz)
+        curvature = max(fx * nx + fy * ny + fz * nz, LEAST_CURVATURE * strength)
+        # A basis a, b of the tangent plane (n looks at the viewer, so that 1 + nz >= 1).
+        share = 1.0 / (1.0 + nz)
+        ax, ay, az = 1.0 - nx * nx * share, -nx * ny * share, -nx
+        bx, by, bz = -nx * ny * share, 1.0 - ny * ny * share, -ny
+        # Integrability: slope and Gauss-Newton curvature of the four cells around.
+        ca = cb = cn = haa = hab = hbb = 0.0
+        for side in range(0, 4, 2):
+            beside = neighbors[p, side]
+            if beside < 0:
                 continue
-            sy = -1.0 if vertical == 1 else 1.0
-            n, b, a, d = field[p], field[beside], field[above], field[neighbors[beside, vertical]]
-            # Derivatives of the cell's residual with respect to n: n's own share in the sums below cancels out.
-            mean_1 = 0.25 * (n[0] + b[0] + a[0] + d[0])
-            mean_2 = 0.25 * (n[1] + b[1] + a[1] + d[1])
-            mean_3 = 0.25 * (n[2] + b[2] + a[2] + d[2])
-            dy_1 = 0.5 * sy * (n[0] + b[0] - a[0] - d[0])
-            dy_3 = 0.5 * sy * (n[2] + b[2] - a[2] - d[2])
-            dx_2 = 0.5 * sx * (n[1] + a[1] - b[1] - d[1])
-            dx_3 = 0.5 * sx * (n[2] + a[2] - b[2] - d[2])
-            residual = mean_3 * (dy_1 - dx_2) - mean_1 * dy_3 + mean_2 * dx_3
-            gx = 0.5 * sy * mean_3 - 0.25 * dy_3
-            gy = -0.5 * sx * mean_3 + 0.25 * dx_3
-            gz = 0.25 * (dy_1 - dx_2) - 0.5 * sy * mean_1 + 0.5 * sx * mean_2
-            pull[0] -= 2.0 * weight * residual * gx
-            pull[1] -= 2.0 * weight * residual * gy
-            pull[2] -= 2.0 * weight * residual * gz
-            total += gx * gx + gy * gy + gz * gz
-    for c in range(3):
-        pull[c] += 2.0 * weight * total * field[p, c]
+            sx = 0.5 * (side - 1.0)  # half of -1 where the cell lies to the right
+            for end in range(1, 4, 2):
+                above = neighbors[p, end]
+                if above < 0:
+                    continue
+                across = neighbors[beside, end]
+                if across < 0:
+                    continue
+                sy = 0.5 * (end - 2.0)
+                ux, uy, uz = field[beside, 0], field[beside, 1], field[beside, 2]
+                vx, vy, vz = field[above, 0], field[above, 1], field[above, 2]
+                wx, wy, wz = field[across, 0], field[across, 1], field[across, 2]
+                mx = 0.25 * (nx + ux + vx + wx)
+                my = 0.25 * (ny + uy + vy + wy)
+                mz = 0.25 * (nz + uz + vz + wz)
+                x_by_y = sy * (nx + ux - vx - wx)
+                z_by_y = sy * (nz + uz - vz - wz)
+                y_by_x = sx * (ny + vy - uy - wy)
+                z_by_x = sx * (nz + vz - uz - wz)
+                turn = x_by_y - y_by_x
+                residual = mz * turn - mx * z_by_y + my * z_by_x
+                gx = sy * mz - 0.25 * z_by_y
+                gy = 0.25 * z_by_x - sx * mz
+                gz = 0.25 * turn - sy * mx + sx * my
+                ga = gx * ax + gy * ay + gz * az
+                gb = gx * bx + gy * by + gz * bz
+                ca += residual * ga
+                cb += residual * gb
+                cn += residual * (gx * nx + gy * ny + gz * nz)
+                haa += ga * ga
+                hab += ga * gb
+                hbb += gb * gb
+        double = 2.0 * curl_weight
+        curvature = max(curvature - double * cn, LEAST_CURVATURE * curvature)
+        haa = double * haa + curvature
+        hab = double * hab
+        hbb = double * hbb + curvature
+        ga = double * ca - (fx * ax + fy * ay + fz * az)
+        gb = double * cb - (fx * bx + fy * by + fz * bz)
+        # The illumination: what holds it, then the interval if the step would leave it.
+        lit = lx * nx + ly * ny + lz * nz
+        la = lx * ax + ly * ay + lz * az
+        lb = lx * bx + ly * by + lz * bz
+        if held:
+            firm = 2.0 * hold[p]
+            ga += firm * (lit - target[p]) * la
+            gb += firm * (lit - target[p]) * lb
+            haa += firm * la * la
+            hab += firm * la * lb
+            hbb += firm * lb * lb
+        scale = 1.0 / (haa * hbb - hab * hab)
+        da = scale * (hab * gb - hbb * ga)
+        db = scale * (hab * ga - haa * gb)
+        after = lit + la * da + lb * db
+        if after < lower[p] or after > upper[p]:
+            bound = lower[p] if after < lower[p] else upper[p]
+            firm = 2.0 * weight[p]
+            ga += firm * (lit - bound) * la
+            gb += firm * (lit - bound) * lb
+            haa += firm * la * la
+            hab += firm * la * lb
+            hbb += firm * lb * lb
+            scale = 1.0 / (haa * hbb - hab * hab)
+            da = scale * (hab * gb - hbb * ga)
+            db = scale * (hab * ga - haa * gb)
+        nx += ax * da + bx * db
+        ny += ay * da + by * db
+        nz = max(nz + az * da + bz * db, 0.0)
+        length = np.sqrt(nx * nx + ny * ny + nz * nz)
+        if length > 1e-12:
+            field[p, 0] = nx / length
+            field[p, 1] = ny / length
+            field[p, 2] = nz / length
 
 
-@njit(cache=True, nogil=True)
-def best_unit_vector(
-    pull: FloatArray, light: FloatArray, lower: float, upper: float, weight: float, result: FloatArray
-) -> None:
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})
+def slope(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's share, compiled as a whole
+    neighbors, start, light, hold, target, lower, upper, weight, links, ties, change_weight, curl_weight, source,
+    field, out, first, last,
+):  # fmt: skip
     """
-    Minimize -pull · n + weight * P(light · n) over unit vectors n; P is the squared distance to [lower, upper].
+    Return the energy and write its gradient to `out` (P, 3), as far as the normals may follow it.
 
-    Writes n to `result`, shape (3,). With n = u light + sqrt(1 - u²) t, where t is the direction of the pull across the
-    light, the problem is convex in u alone.
+    That is the part across each normal; one on the visible side's edge may not turn away.
     """
-    strength = np.sqrt(pull[0] ** 2 + pull[1] ** 2 + pull[2] ** 2)
-    if strength < 1e-300:
-        return
-    along = pull[0] * light[0] + pull[1] * light[1] + pull[2] * light[2]
-    free = along / strength
-    if lower <= free <= upper or weight == 0.0:
-        for c in range(3):
-            result[c] = pull[c] / strength
-        return
-    across = np.sqrt(max(strength * strength - along * along, 0.0))
-    target = lower if free < lower else upper
-    u = _best_cosine(along, across, free, target, weight)
-    if across > 1e-12 * strength:
-        scale = np.sqrt(max(1.0 - u * u, 0.0)) / across
-        for c in range(3):
-            result[c] = u * light[c] + scale * (pull[c] - along * light[c])
-    else:
-        _keep_direction(light, u, result)
+    pulled, held = source.shape[0] > 0, hold.shape[0] > 0
+    lx, ly, lz = light
+    energy = 0.0
+    for p in range(first, last):
+        nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
+        dx, dy, dz = nx - start[p, 0], ny - start[p, 1], nz - start[p, 2]
+        gx, gy, gz = ties[p] * dx, ties[p] * dy, ties[p] * dz
+        membrane = gx * dx + gy * dy + gz * dz
+        for k in range(4):
+            q = neighbors[p, k]
+            if q >= 0:
+                link = links[p, k]
+                ex = dx - field[q, 0] + start[q, 0]
+                ey = dy - field[q, 1] + start[q, 1]
+                ez = dz - field[q, 2] + start[q, 2]
+                gx += link * ex
+                gy += link * ey
+                gz += link * ez
+                membrane += 0.5 * link * (ex * ex + ey * ey + ez * ez)
+        energy += change_weight * membrane
+        gx *= 2.0 * change_weight
+        gy *= 2.0 * change_weight
+        gz *= 2.0 * change_weight
+        if pulled:
+            energy -= source[p, 0] * nx + source[p, 1] * ny + source[p, 2] * nz
+            gx -= source[p, 0]
+            gy -= source[p, 1]
+            gz -= source[p, 2]
+        for side in range(0, 4, 2):
+            beside = neighbors[p, side]
+            if beside < 0:
+                continue
+            sx = 0.5 * (side - 1.0)
+            for end in range(1, 4, 2):
+                above = neighbors[p, end]
+                if above < 0:
+                    continue
+                across = neighbors[beside, end]
+                if across < 0:
+                    continue
+                sy = 0.5 * (end - 2.0)
+                ux, uy, uz = field[beside, 0], field[beside, 1], field[beside, 2]
+                vx, vy, vz = field[above, 0], field[above, 1], field[above, 2]
+                wx, wy, wz = field[across, 0], field[across, 1], field[across, 2]
+                mx = 0.25 * (nx + ux + vx + wx)
+                my = 0.25 * (ny + uy + vy + wy)
+                mz = 0.25 * (nz + uz + vz + wz)
+                z_by_y = sy * (nz + uz - vz - wz)
+                z_by_x = sx * (nz + vz - uz - wz)
+                turn = sy * (nx + ux - vx - wx) - sx * (ny + vy - uy - wy)
+                residual = mz * turn - mx * z_by_y + my * z_by_x
+                energy += 0.25 * curl_weight * residual * residual  # each cell is seen from its four corners
+                residual *= 2.0 * curl_weight
+                gx += residual * (sy * mz - 0.25 * z_by_y)
+                gy += residual * (0.25 * z_by_x - sx * mz)
+                gz += residual * (0.25 * turn - sy * mx + sx * my)
+        lit = lx * nx + ly * ny + lz * nz
+        excess = lit - min(max(lit, lower[p]), upper[p])
+        energy += weight[p] * excess * excess
+        pull = 2.0 * weight[p] * excess
+        if held:
+            away = lit - target[p]
+            energy += hold[p] * away * away
+            pull += 2.0 * hold[p] * away
+        gx += pull * lx
+        gy += pull * ly
+        gz += pull * lz
+        along = gx * nx + gy * ny + gz * nz
+        gz -= along * nz
+        out[p, 0] = gx - along * nx
+        out[p, 1] = gy - along * ny
+        out[p, 2] = 0.0 if nz <= 0.0 and gz > 0.0 else gz
+    return energy
 
 
-@njit(cache=True, nogil=True)
-def _best_cosine(along, across, free, target, weight):  # type: ignore[no-untyped-def]
-    low, high = min(free, target), max(free, target)
-    u = 0.5 * (low + high)
-    for _ in range(NEWTON_STEPS):
-        rest = max(1.0 - u * u, 1e-12)
-        root = np.sqrt(rest)
-        slope = -along + across * u / root + 2.0 * weight * (u - target)
-        if slope > 0.0:
-            high = u
+@njit(cache=True, nogil=True, error_model="numpy")
+def gather_blocks(  # type: ignore[no-untyped-def]
+    parent,
+    light,
+    field,
+    gradient,
+    hold,
+    lower,
+    upper,
+    weight,
+    mean,
+    slopes,
+    firm,
+    low,
+    high,
+    loose,
+    first,
+    last,
+):
+    """
+    Sum over each block what a coarse grid needs to know of its pixels, into arrays that hold zeros.
+
+    An illumination outside its interval is held where it is, which sets the curvature right; the others may move within the
+    mean of their intervals.
+    """
+    held = hold.shape[0] > 0
+    for p in range(first, last):
+        block = parent[p]
+        lit = 0.0
+        for c in range(3):
+            mean[block, c] += field[p, c]
+            slopes[block, c] += gradient[p, c]
+            lit += light[c] * field[p, c]
+        if held:
+            firm[block] += hold[p]
+        if lit < lower[p] or lit > upper[p]:
+            firm[block] += weight[p]
         else:
-            low = u
-        step = slope / (across / (rest * root) + 2.0 * weight)
-        if abs(step) < COSINE_TOLERANCE:
-            break
-        u -= step
-        if not low < u < high:
-            u = 0.5 * (low + high)
-    return u
+            loose[block] += weight[p]
+            low[block] += weight[p] * lower[p]
+            high[block] += weight[p] * upper[p]
 
 
-@njit(cache=True, nogil=True)
-def _keep_direction(light, u, result):  # type: ignore[no-untyped-def]
-    """Turn `result` about the light to the cosine u; the pull is parallel to the light and says no direction."""
-    now = result[0] * light[0] + result[1] * light[1] + result[2] * light[2]
-    length = np.sqrt(max(1.0 - now * now, 0.0))
-    if length < 1e-9:
-        return  # on the pole itself: any direction would be arbitrary
-    scale = np.sqrt(max(1.0 - u * u, 0.0)) / length
-    for c in range(3):
-        result[c] = u * light[c] + scale * (result[c] - now * light[c])
+@njit(cache=True, nogil=True, error_model="numpy")
+def finish_blocks(light, mean, low, high, loose, lit, first, last):  # type: ignore[no-untyped-def]
+    """Turn a block's sums into a unit vector, its illumination, and an interval that holds it."""
+    for p in range(first, last):
+        _unit(mean[p, 0], mean[p, 1], mean[p, 2], mean, p)
+        lit[p] = light[0] * mean[p, 0] + light[1] * mean[p, 1] + light[2] * mean[p, 2]
+        if loose[p] > 0.0:
+            low[p] = min(low[p] / loose[p], lit[p])
+            high[p] = max(high[p] / loose[p], lit[p])
+        else:
+            low[p], high[p] = -1.0, 1.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _unit(x, y, z, out, p):  # type: ignore[no-untyped-def]
+    """Write the unit vector with z >= 0; a vanishing one faces the viewer."""
+    z = max(z, 0.0)
+    norm = np.sqrt(x * x + y * y + z * z)
+    if norm > 1e-12:
+        out[p, 0], out[p, 1], out[p, 2] = x / norm, y / norm, z / norm
+    else:
+        out[p, 0], out[p, 1], out[p, 2] = 0.0, 0.0, 1.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def retract(field, step, length, out, first, last):  # type: ignore[no-untyped-def]
+    """Write the unit normals of `field + length * step` to `out`, no normal looking away; it may be one of the two."""
+    for p in range(first, last):
+        x = field[p, 0] + length * step[p, 0]
+        y = field[p, 1] + length * step[p, 1]
+        _unit(x, y, field[p, 2] + length * step[p, 2], out, p)

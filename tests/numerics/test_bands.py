@@ -1,0 +1,84 @@
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from tests.analytic import blob_mask
+from toonkit.numerics import bands
+from toonkit.numerics.bands import run_in_bands
+from toonkit.numerics.masked_grid import OUTSIDE, MaskedGrid
+
+
+@pytest.fixture(autouse=True)
+def small_bands(monkeypatch):
+    monkeypatch.setattr(bands, "BAND", 60)
+
+
+@pytest.fixture(params=[1, 2, 3, 7], ids=lambda cores: f"{cores}-cores", autouse=True)
+def cores(request, monkeypatch):
+    monkeypatch.setattr(bands, "_cores", lambda: request.param)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_every_pixel_lies_in_one_band_and_no_block_in_two(seed):
+    grid = MaskedGrid(blob_mask(seed, size=40))
+    spans = grid.bands.spans
+    assert len(spans) > 3
+    assert [place for span in spans for place in range(*span)] == list(range(grid.size))
+    for (_, end), (start, _) in pairwise(spans):
+        assert end == start
+        assert grid.rows[start] % 2 == 0
+        assert grid.rows[start] > grid.rows[start - 1]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_pixel_sees_across_a_separator(seed):
+    grid = MaskedGrid(blob_mask(seed, size=40))
+    owner = np.full(grid.size, -1)
+    for k, span in enumerate(grid.bands.between):
+        owner[slice(*span)] = k
+    for here, there in zip(grid.neighbors.T, grid.neighbors.T, strict=True):
+        linked = np.flatnonzero(here != OUTSIDE)
+        a, b = owner[linked], owner[there[linked]]
+        assert ((a == b) | (a == -1) | (b == -1)).all()
+
+
+def test_results_come_in_the_order_of_the_bands():
+    grid = MaskedGrid(blob_mask(1, size=40))
+    assert grid.bands.run(lambda scale, first, last: (scale * first, scale * last), 2) == [
+        (2 * first, 2 * last) for first, last in grid.bands.spans
+    ]
+
+
+def test_a_sweep_visits_every_pixel_once_and_back_in_the_reverse_order(monkeypatch):
+    monkeypatch.setattr(bands, "_cores", lambda: 1)
+    grid = MaskedGrid(blob_mask(2, size=40))
+    order = {}
+    for backward in (False, True):
+        seen = order[backward] = []
+
+        def visit(backward, first, last, seen=seen):
+            seen += reversed(range(first, last)) if backward else range(first, last)
+
+        grid.bands.sweep(visit, backward=backward)
+    assert sorted(order[False]) == list(range(grid.size))
+    assert set(order[True]) == set(order[False])
+
+
+def test_what_a_loop_raises_is_raised():
+    def fail(first, last):
+        if first:
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        MaskedGrid(blob_mask(1, size=40)).bands.run(fail)
+
+
+def test_the_rows_of_an_array_are_all_run():
+    picture, done = np.ones((50, 9)), np.zeros(50, int)
+
+    def count(picture, first, last):
+        done[first:last] += 1
+
+    run_in_bands(count, picture)
+    assert (done == 1).all()

@@ -1,0 +1,140 @@
+"""What a drawing's colors say before any illumination is known: their order, and which are mixtures (Section 3.2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toonkit._validation import BoolArray, FloatArray
+from toonkit.model.luminance import REC709, linear_to_srgb, srgb_to_linear
+from toonkit.numerics.masked_grid import MaskedGrid
+
+FLAT = 2.5 / 255
+"""Colors of one band differ by less than this: rounding, and a compressor's noise."""
+
+FLAT_NEIGHBORS = 4
+"""Neighbors of its own tone that a pixel of a band has at least; of a band two pixels wide, five."""
+
+MIXING_REACH = 2
+"""An anti-aliased band edge is at most this many pixels away from the bands it mixes."""
+
+_PAIRS = ((0, 1), (1, 0), (1, 1), (1, -1))
+"""(row, column) steps to four of a pixel's eight neighbors; the other four see it by the same steps."""
+
+
+@dataclass(frozen=True, eq=False)
+class PaintedTones:
+    """
+    Tones of an object's pixels, in row-major order.
+
+    A mixed pixel of an anti-aliased band edge is one that is not flat itself, has a flat pixel that is darker and one that
+    is brighter within `MIXING_REACH` pixels, and a tone strictly between theirs; wider transitions are left alone. Flat is
+    a pixel with the tone of four of its neighbors, or of all where it has fewer.
+
+    Attributes
+    ----------
+    light : ndarray, shape (P, 3)
+        The colors as linear light.
+    tone : ndarray, shape (P,)
+        Their tones in [0, 1].
+    plain : ndarray, shape (P,)
+        Tones without mixtures: a mixed pixel takes the nearer tone of the two bands it mixes.
+    darkest, brightest : ndarray, shape (P,)
+        Tones of the bands that a mixed pixel lies between; the tone itself of all others.
+    noise : float
+        Standard deviation of the tones of one painted color, from the median second difference along rows: zero for flat
+        colors and for gradients, whatever the number of band edges.
+    """
+
+    light: FloatArray
+    tone: FloatArray
+    plain: FloatArray
+    darkest: FloatArray
+    brightest: FloatArray
+    noise: float
+
+    @classmethod
+    def of(cls, colors: FloatArray, grid: MaskedGrid) -> PaintedTones:
+        """Read the colors (P, 3), sRGB in [0, 1], of a grid's pixels."""
+        light = srgb_to_linear(colors)
+        tone = linear_to_srgb(light @ REC709)
+        rows, columns = grid.rows - grid.rows.min(), grid.columns - grid.columns.min()
+        reach = MIXING_REACH
+        framed = np.full((rows.max() + 1 + 2 * reach, columns.max() + 1 + 2 * reach), np.nan)
+        place = (rows + reach) * framed.shape[1] + columns + reach
+        framed.ravel()[place] = tone
+        flat = _is_flat(framed).ravel()[place]
+        doubtful = np.flatnonzero(~flat)
+        darker, brighter = _extremes(framed, place, flat, doubtful)
+        own = tone[doubtful]
+        between = (own > darker + FLAT) & (own < brighter - FLAT)
+        mixed, own, darker, brighter = doubtful[between], own[between], darker[between], brighter[between]
+        plain, darkest, brightest = tone.copy(), tone.copy(), tone.copy()
+        plain[mixed] = np.where(own - darker < brighter - own, darker, brighter)
+        pure = np.ones(grid.size, np.bool_)
+        pure[mixed] = False
+        darkest[mixed], brightest[mixed] = _extremes(framed, place, pure, mixed)
+        return cls(light, tone, plain, darkest, brightest, _noise(framed))
+
+    @property
+    def mixed(self) -> BoolArray:
+        """Which pixels are mixtures, shape (P,)."""
+        mixed: BoolArray = self.plain != self.tone
+        return mixed
+
+    @cached_property
+    def accumulated(self) -> FloatArray:
+        """Light of the k darkest pixels together, for k of 0 to P, shape (P + 1, 3); a mixed one counts as its band."""
+        order = np.argsort(self.plain, kind="stable")
+        pure = order[~self.mixed[order]]
+        stand_in = np.arange(len(order))
+        mixed = np.flatnonzero(self.mixed)
+        stand_in[mixed] = pure[np.searchsorted(self.plain[pure], self.plain[mixed])]
+        total = np.zeros((len(order) + 1, 3))
+        np.cumsum(self.light[stand_in[order]], axis=0, out=total[1:])
+        return total
+
+
+def _is_flat(framed: FloatArray) -> BoolArray:
+    """Tell which pixels belong to a band: at a band's edge a mixed pixel resembles two neighbors along it at most."""
+    alike, present = np.zeros((2, *framed.shape), np.int8)
+    known = ~np.isnan(framed)
+    height, width = framed.shape
+    for down, along in _PAIRS:
+        near = (slice(0, height - down), slice(max(-along, 0), width - max(along, 0)))
+        far = (slice(down, height), slice(max(along, 0), width - max(-along, 0)))
+        same = np.abs(framed[far] - framed[near]) < FLAT
+        for place in (near, far):
+            alike[place] += same
+        present[near] += known[far]
+        present[far] += known[near]
+    flat: BoolArray = known & (alike >= np.minimum(present, FLAT_NEIGHBORS))
+    return flat
+
+
+def _extremes(
+    framed: FloatArray, place: NDArray[np.intp], counted: BoolArray, pixels: NDArray[np.intp]
+) -> tuple[FloatArray, FloatArray]:
+    """Least and greatest tone of the pixels that count within `MIXING_REACH` of some pixels; inf and -inf without any."""
+    tones = np.full(framed.size, np.nan)
+    tones[place[counted]] = framed.ravel()[place[counted]]
+    least, greatest = np.full(len(pixels), np.inf), np.full(len(pixels), -np.inf)
+    center, width = place[pixels], framed.shape[1]
+    for down in range(-MIXING_REACH, MIXING_REACH + 1):
+        for along in range(-MIXING_REACH, MIXING_REACH + 1):
+            tone = tones[center + (down * width + along)]
+            np.fmin(least, tone, out=least)
+            np.fmax(greatest, tone, out=greatest)
+    return least, greatest
+
+
+def _noise(framed: FloatArray) -> float:
+    second = np.abs(framed[:, 2:] - 2 * framed[:, 1:-1] + framed[:, :-2])
+    inside = second[np.isfinite(second)]
+    if inside.size == 0:
+        return 0.0
+    # A second difference of independent noise has sqrt(6) times its deviation; the median of |x| is 0.6745 deviations.
+    return float(np.median(inside) / (0.6745 * np.sqrt(6)))

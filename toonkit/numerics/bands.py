@@ -1,0 +1,131 @@
+"""Loops over the pixels of a grid on all cores, whose results do not depend on how many cores there are."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+BAND = 6_000
+"""Pixels of a band at least: fewer are done before another thread has started."""
+
+MOST = 16
+"""Bands at most. Their number depends on the grid alone, never on the machine: so do the results."""
+
+
+@dataclass(frozen=True)
+class Bands:
+    """
+    A grid's pixels, in row-major order, cut into bands of whole rows.
+
+    Attributes
+    ----------
+    spans : tuple of (int, int)
+        First pixel of each band and the one after its last. Each band starts at an even row, so that no block of 2 x 2
+        pixels lies in two.
+    separators : tuple of (int, int)
+        The first rows of all bands but the first. What lies between two of them has no neighbor across.
+    between : tuple of (int, int)
+        The bands without those rows.
+    """
+
+    spans: tuple[tuple[int, int], ...]
+    separators: tuple[tuple[int, int], ...]
+    between: tuple[tuple[int, int], ...]
+
+    @classmethod
+    def of(cls, rows: NDArray[np.integer]) -> Bands:
+        """Cut pixels whose rows (P,) do not fall."""
+        size = len(rows)
+        count = int(np.clip(size // BAND, 1, MOST))
+        wanted = rows[[size * k // count for k in range(1, count)]] // 2 * 2
+        cuts = np.unique(np.searchsorted(rows, wanted))
+        cuts = cuts[cuts > 0]
+        after = np.searchsorted(rows, rows[cuts], side="right")
+        starts, ends = [0, *cuts.tolist()], [*cuts.tolist(), size]
+        return cls(
+            spans=tuple(zip(starts, ends, strict=True)),
+            separators=tuple(zip(cuts.tolist(), after.tolist(), strict=True)),
+            between=tuple(zip([0, *after.tolist()], ends, strict=True)),
+        )
+
+    def run(self, loop: Callable[..., Any], *arguments: Any) -> list[Any]:
+        """Call `loop(*arguments, first, last)` for every band; return what they return, in order."""
+        return _on_all_cores(loop, arguments, self.spans)
+
+    def sweep(self, loop: Callable[..., Any], *arguments: Any, backward: bool) -> None:
+        """
+        Call `loop(*arguments, backward, first, last)` where each pixel's step reads what was written to its neighbors.
+
+        Separators come first, and last on the way back: so it is one order of the pixels and its reverse.
+        """
+        steps = [
+            lambda: [loop(*arguments, backward, *span) for span in self.separators],
+            lambda: _on_all_cores(loop, (*arguments, backward), self.between),
+        ]
+        for step in reversed(steps) if backward else steps:
+            step()
+
+
+def inner(a: NDArray[Any], b: NDArray[Any]) -> float:
+    """
+    Return the inner product of two fields of any shape; of complex ones the real part.
+
+    BLAS would leave its threads spinning on the other cores, and would round otherwise on other machines.
+    """
+    flat = [np.ascontiguousarray(field).view(np.float64).ravel() for field in (a, b)]
+    cuts = [len(flat[0]) * k // MOST for k in range(MOST + 1)]
+    if len(flat[0]) < BAND:
+        return float(_inner(*flat, 0, len(flat[0])))
+    return float(sum(_on_all_cores(_inner, tuple(flat), tuple(pairwise(cuts)))))
+
+
+@njit(cache=True, nogil=True)
+def _inner(a, b, first, last):  # type: ignore[no-untyped-def]
+    total = 0.0
+    for k in range(first, last):
+        total += a[k] * b[k]
+    return total
+
+
+def run_in_bands(loop: Callable[..., Any], *arguments: Any) -> None:
+    """Call `loop(*arguments, first, last)` for bands of the rows of the first argument, an array (H, ...)."""
+    height = len(arguments[0])
+    count = int(np.clip(arguments[0].size // BAND, 1, MOST))
+    cuts = [height * k // count for k in range(count + 1)]
+    _on_all_cores(loop, arguments, tuple(pairwise(cuts)))
+
+
+def _on_all_cores(
+    loop: Callable[..., Any], arguments: tuple[Any, ...], spans: tuple[tuple[int, int], ...]
+) -> list[Any]:
+    cores = min(_cores(), len(spans))
+
+    def work(first: int) -> list[Any]:
+        return [loop(*arguments, *span) for span in spans[first::cores]]
+
+    helping = [_helpers().submit(work, k) for k in range(1, cores)]
+    parts = [work(0), *(helper.result() for helper in helping)]
+    return [parts[k % cores][k // cores] for k in range(len(spans))]
+
+
+def _cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@cache
+def _helpers() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(max(_cores() - 1, 1), "toonkit-band")
+
+
+if hasattr(os, "register_at_fork"):  # a forked process has none of its parent's threads
+    os.register_at_fork(after_in_child=_helpers.cache_clear)
