@@ -13,13 +13,13 @@ import numpy as np
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.convolution import Array, summary
+from toonkit.estimation.overview import Overview
 from toonkit.estimation.reading import reading
 from toonkit.estimation.tone_ranks import ToneRanks
 from toonkit.estimation.weights import read_weights
 from toonkit.estimation.working_square import WorkingSquare
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
-from toonkit.numerics.masked_grid import OUTSIDE
 
 CHANNELS = 6
 """Feature maps of `features`."""
@@ -73,15 +73,11 @@ def believed_light(image: ToonImage, initial_normals: NormalField) -> LightBelie
     LightBelief
         Mean and concentration.
     """
-    read = reading(image)
-    square = WorkingSquare.around(read.grid, np.array([1.0, 0.0]))
-    pixels = square.sampled_pixels(read.grid)
-    mask = pixels != OUTSIDE
+    overview = Overview.of(reading(image), initial_normals.vectors[image.mask])
+    square = WorkingSquare.around(overview.grid, np.array([1.0, 0.0]))
+    mask, tones, initial = overview.seen_from(square)
     if not mask.any():  # a line thinner than the square's pixels
         return LightBelief(np.array([0.0, 0.0, 1.0]), LEAST_CONCENTRATION)
-    tones, initial = np.zeros(mask.shape, np.float32), np.zeros((*mask.shape, 3), np.float32)
-    tones[mask] = read.tones.plain[pixels[mask]]
-    initial[mask] = initial_normals.vectors[image.mask][pixels[mask]]
     seen = features(tones, mask, initial)
     weights = read_weights("light_prior")
     answers = [_undone(summary(weights, turned(seen, *turn)), *turn) for turn in TURNS]

@@ -17,13 +17,13 @@ from scipy.ndimage import distance_transform_edt
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.convolution import Array, Weights, field
-from toonkit.estimation.reading import Reading, reading
+from toonkit.estimation.overview import Overview
+from toonkit.estimation.reading import reading
 from toonkit.estimation.tone_ranks import ToneRanks
 from toonkit.estimation.weights import read_weights
 from toonkit.estimation.working_square import SIZE, WorkingSquare
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
-from toonkit.numerics.masked_grid import OUTSIDE
 from toonkit.numerics.unit_field import moved
 
 LOOKS = 2
@@ -74,15 +74,15 @@ def correct_shape(
     """
     read = reading(image)
     initial = initial_normals.vectors[image.mask]
-    square = WorkingSquare.around(read.grid, light[:2])
+    overview = Overview.of(read, initial)
+    square = WorkingSquare.around(overview.grid, light[:2])
     changes = [
-        _magnified(
-            _View.of(read, light, initial, square.widened(factor)).change(looks, mirrored=mirrored), factor
-        )
+        _magnified(_View.of(overview, light, square.widened(factor)).change(looks, mirrored=mirrored), factor)
         for factor, mirrored in VIEWS
     ]
     change = square.turned_back(np.mean(changes, axis=0))
-    return NormalField.of_pixels(moved(read.grid, initial, square.spread(change, read.grid)), image.mask)
+    spread = square.enlarged(overview.factor).spread(change, read.grid)
+    return NormalField.of_pixels(moved(read.grid, initial, spread), image.mask)
 
 
 def misfit(image: ToonImage, lights: FloatArray, initial_normals: NormalField) -> FloatArray:
@@ -104,11 +104,10 @@ def misfit(image: ToonImage, lights: FloatArray, initial_normals: NormalField) -
         On normals corrected at one look, the mean square by which the illumination misses the intervals that rank matching
         gives the colors, relative to the illumination's variance; 1 if there is nothing to be seen.
     """
-    read = reading(image)
-    initial = initial_normals.vectors[image.mask]
+    overview = Overview.of(reading(image), initial_normals.vectors[image.mask])
     values = np.ones(len(lights))
     for k, light in enumerate(lights):
-        view = _View.of(read, light, initial, WorkingSquare.around(read.grid, light[:2]))
+        view = _View.of(overview, light, WorkingSquare.around(overview.grid, light[:2]))
         if view.seen_mask.any():
             seen = view.features(view.corrected(1, mirrored=False))
             values[k] = _missed(seen) / max(float(np.var(seen[7][view.seen_mask])), 1e-12)
@@ -134,13 +133,11 @@ class _View:
     elevation: float
 
     @classmethod
-    def of(cls, read: Reading, light: FloatArray, initial: FloatArray, square: WorkingSquare) -> _View:
-        """Sample a drawing's tones and N0 (P, 3)."""
-        pixels = square.sampled_pixels(read.grid)
-        mask = pixels != OUTSIDE
-        tones, vectors = np.zeros(mask.shape, np.float32), np.zeros((*mask.shape, 3), np.float32)
-        tones[mask], vectors[mask] = read.tones.plain[pixels[mask]], initial[pixels[mask]]
-        return cls(mask, tones, square.turned(vectors), float(np.arctan2(light[2], np.hypot(*light[:2]))))
+    def of(cls, overview: Overview, light: FloatArray, square: WorkingSquare) -> _View:
+        """Sample a drawing's tones and N0."""
+        mask, tones, initial = overview.seen_from(square)
+        elevation = float(np.arctan2(light[2], np.hypot(*light[:2])))
+        return cls(mask, tones, square.turned(initial), elevation)
 
     def features(self, normals: Array) -> Array:
         """Return the features, given normals as far as they are known."""
