@@ -24,6 +24,7 @@ from toonkit.estimation.refinement import Refinement, RefinementOptions, refine
 from toonkit.estimation.shape_prior import LOOKS, correct_shape
 from toonkit.methods import Method
 from toonkit.methods.steps import inflated
+from toonkit.methods.toonkit import OPTIONS
 from toonkit.model.color_map import ColorMap
 from toonkit.numerics.report import NOT_REFINED
 from toonkit.study.color_maps import load_color_maps
@@ -51,10 +52,13 @@ def variants(painting: Painting) -> dict[str, Method]:
         "toonkit": METHODS["toonkit"],
         "toonkit, one look": functools.partial(varied, looks=1),
         "toonkit without integrability": functools.partial(
-            varied, options=RefinementOptions(integrability_length=0.0)
+            varied, options=replace(OPTIONS, integrability_length=0.0)
         ),
-        "toonkit without creases": functools.partial(varied, options=RefinementOptions(crease_turn=1e9)),
-        "toonkit without margin": functools.partial(varied, options=RefinementOptions(margin=0.0)),
+        "toonkit without creases": functools.partial(varied, options=replace(OPTIONS, crease_turn=1e9)),
+        "toonkit whose changes reach as far as classical's": functools.partial(
+            varied, options=RefinementOptions()
+        ),
+        "toonkit without margin": functools.partial(varied, options=replace(OPTIONS, margin=0.0)),
         "toonkit with the true color map": functools.partial(varied, color_map=painting.color_map),
     }
 
@@ -66,7 +70,7 @@ def varied(
     progress=None,
     looks: int = LOOKS,
     refined: bool = True,
-    options: RefinementOptions | None = None,
+    options: RefinementOptions = OPTIONS,
     color_map: ColorMap | None = None,
 ) -> ToonAnalysis:
     """Analyze as `toonkit` does, but for what is asked for; a given color map is the one refined by and relit with."""

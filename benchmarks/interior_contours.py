@@ -23,14 +23,14 @@ from scipy.ndimage import gaussian_filter, label
 from benchmarks.ablation import run
 from toonkit import NormalField, ToonAnalysis, ToonImage, illumination
 from toonkit._validation import BoolArray, FloatArray, as_light
-from toonkit.estimation.color_map_fit import plain_tones
 from toonkit.estimation.inflation import RESIDUAL_TOLERANCE, inflate, silhouette_system
-from toonkit.estimation.refinement import refine
+from toonkit.estimation.reading import reading
 from toonkit.estimation.shape_prior import correct_shape
 from toonkit.estimation.silhouette import trace_silhouette
 from toonkit.estimation.tone_ranks import ToneRanks
 from toonkit.methods import Method
 from toonkit.methods.steps import Inflated, StepProgress
+from toonkit.methods.toonkit import OPTIONS
 from toonkit.numerics.masked_grid import OUTSIDE, MaskedGrid
 from toonkit.numerics.membrane import Membrane, solve_membrane
 from toonkit.study.rendering import RenderedShape
@@ -94,7 +94,7 @@ def found_contours(image: ToonImage, light: FloatArray) -> Contours:
     """Return the contours that the colors show, where only one side can be the nearer one."""
     grid = MaskedGrid(image.mask)
     initial_normals = inflate(image.mask, alpha=image.alpha)
-    ranks = ToneRanks.of(plain_tones(image)[grid.mask])
+    ranks = ToneRanks.of(reading(image).tones.plain)
     ordered = np.sort(illumination(initial_normals, light)[grid.mask])
     lower, upper = ordered[ranks.below], ordered[ranks.upto - 1]  # as rank matching allows, mixtures apart
     normals = initial_normals.vectors[grid.mask]
@@ -138,10 +138,11 @@ def inflated_within(image: ToonImage, contours: Contours) -> NormalField:
     tied = contours.outward.any(axis=1)
     links = np.where(contours.cut, LEFT, 1.0) * membrane.links
     membrane = Membrane(grid, links, membrane.ties + STIFFNESS * tied)
-    sideways, _ = solve_membrane(membrane, pull + STIFFNESS * contours.outward, tolerance=RESIDUAL_TOLERANCE)
-    sideways /= np.maximum(np.linalg.norm(sideways, axis=1, keepdims=True), 1.0)
-    forward = np.sqrt(np.maximum(1.0 - np.sum(sideways**2, axis=1, keepdims=True), 0.0))
-    return NormalField(grid.scatter(np.concatenate([sideways, forward], axis=1)), image.mask)
+    pull = pull + STIFFNESS * (contours.outward[:, 0] + 1j * contours.outward[:, 1])
+    sideways, _ = solve_membrane(membrane, pull, tolerance=RESIDUAL_TOLERANCE)
+    flat = sideways / np.maximum(np.abs(sideways), 1.0)
+    forward = np.sqrt(np.maximum(1.0 - np.abs(flat) ** 2, 0.0))
+    return NormalField.of_pixels(np.stack([flat.real, flat.imag, forward], axis=1), image.mask)
 
 
 def _both_ways(grid: MaskedGrid, cut: BoolArray) -> BoolArray:
@@ -181,8 +182,7 @@ def started(
         initial = inflated_within(image, finder(image, direction))
     steps = Inflated(image, direction, initial, progress)
     normals = correct_shape(image, direction, initial) if learned else initial
-    refinement = refine(normals, direction, steps.fitted_interval(normals), alpha=image.alpha)
-    return steps.finished("started", refinement)
+    return steps.finished("started", steps.refined(normals, None, OPTIONS if learned else None))
 
 
 def variants(painting: Painting) -> dict[str, Method]:

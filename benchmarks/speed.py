@@ -1,34 +1,59 @@
-"""Speed and memory of the analysis, side by side in one process.
+"""Speed and memory, side by side in one process: the analysis at all sizes, and its solvers against the usual ones.
 
-    python -m benchmarks.speed -o benchmarks/results/speed.csv
+    python -m benchmarks.speed -o benchmarks/results
 
-For each size: a disc and the silhouette of a cat, painted in four soft tones. Medians over repeats after one warm-up run, so
-that compiling and caching do not count. Machines are noisy: read the times as ratios to those beside them.
+For each size a disc and the silhouette of a cat, painted in four soft tones. Medians over repeats after one warm-up run, so
+that compiling does not count; every repeat sees a picture of its own, so that nothing is remembered. Machines are noisy:
+read the times as ratios to those beside them. Writes speed.csv, solvers.csv, first_use.csv and scaling.png.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import os
+import subprocess
 import sys
+import tempfile
 import time
 import tracemalloc
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 from scipy.ndimage import zoom
 from tqdm import tqdm
 
 import toonkit
+from benchmarks import other_solvers
+from toonkit.estimation.inflation import RESIDUAL_TOLERANCE, silhouette_system
+from toonkit.estimation.reading import reading
+from toonkit.methods.steps import inflated
+from toonkit.methods.toonkit import OPTIONS, correct_shape
+from toonkit.numerics import unit_field
+from toonkit.numerics.membrane import Membrane, solve_membrane
+from toonkit.numerics.unit_field import UnitFieldProblem, solve_unit_field
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.rendering import render_shape
 from toonkit.study.shapes import SHAPES
 
 LIGHT = toonkit.light_direction(129, 50)
+NEARBY_LIGHT = toonkit.light_direction(135, 53)
 NEW_LIGHT = toonkit.light_direction(20, 40)
 RENDERED = 256
 """Side at which the silhouettes are rendered; larger ones are interpolated from it, which speed does not mind."""
+
+SIZES = (256, 512, 1024, 2048, 4096)
+BASELINES_UP_TO = 512
+"""Largest side at which the other methods are timed."""
+
+LIMIT = 60.0
+"""Seconds after which another solver is stopped; at larger sizes it is not started."""
+
+FEW = 2048
+"""Side from which on three repeats do."""
 
 Row = dict[str, str | float]
 
@@ -45,14 +70,20 @@ def drawing(shape: str, size: int) -> toonkit.ToonImage:
     return toonkit.ToonImage(color_map(np.clip(vectors @ LIGHT, -1, 1)), mask, alpha=coverage)
 
 
+def again(image: toonkit.ToonImage) -> toonkit.ToonImage:
+    """Return the same picture, of which nothing is remembered."""
+    return toonkit.ToonImage.like(image, image.color, image.fringe_colors)
+
+
+def timed(work: Callable[[], object]) -> float:
+    start = time.perf_counter()
+    work()
+    return time.perf_counter() - start
+
+
 def median_seconds(work: Callable[[], object], repeats: int) -> float:
     work()
-    times = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - start)
-    return float(np.median(times))
+    return float(np.median([timed(work) for _ in range(repeats)]))
 
 
 def peak_bytes(work: Callable[[], object]) -> int:
@@ -64,13 +95,17 @@ def peak_bytes(work: Callable[[], object]) -> int:
 
 
 def measured(shape: str, size: int, method: str, repeats: int) -> Row:
+    """Time one method on one picture: from scratch, again under a light nearby, and relighting what it found."""
     image = drawing(shape, size)
 
     def work() -> toonkit.ToonAnalysis:
-        return toonkit.analyze(image, LIGHT, method=method)
+        return toonkit.analyze(again(image), LIGHT, method=method)
 
     seconds = median_seconds(work, repeats)
     analysis = work()
+    warm = median_seconds(
+        lambda: toonkit.analyze(analysis.image, NEARBY_LIGHT, method=method, previous=analysis), repeats
+    )
     return {
         "shape": shape,
         "size": size,
@@ -78,53 +113,223 @@ def measured(shape: str, size: int, method: str, repeats: int) -> Row:
         "object_pixels": int(image.mask.sum()),
         "analyze_seconds": seconds,
         "analyze_microseconds_per_pixel": seconds / size**2 * 1e6,
+        "again_seconds": warm,
         "peak_bytes_per_pixel": peak_bytes(work) / size**2,
-        "relight_seconds": median_seconds(lambda: toonkit.relight(analysis, NEW_LIGHT), repeats),
+        "relight_seconds": median_seconds(lambda: toonkit.relight(analysis, NEW_LIGHT), max(repeats, 5)),
         "iterations": analysis.report.iterations,
     }
+
+
+@dataclass(frozen=True)
+class Problems:
+    """What an analysis solves: the inflation's membrane with its right side, and the refinement's field."""
+
+    membrane: Membrane
+    right_side: np.ndarray
+    field: UnitFieldProblem
+
+
+def problems(shape: str, size: int) -> Problems:
+    image = drawing(shape, size)
+    read = reading(image)
+    membrane, right_side = silhouette_system(read.grid, read.silhouette)
+    steps = inflated(image, LIGHT, None)
+    met: list[UnitFieldProblem] = []
+    solve = unit_field.solve_unit_field
+    refinement = sys.modules["toonkit.estimation.refinement"]
+    try:  # the problem as the refinement states it
+        refinement.solve_unit_field = lambda problem, **options: (
+            met.append(problem),
+            solve(problem, **options),
+        )[1]
+        steps.refined(correct_shape(image, LIGHT, steps.initial_normals), None, OPTIONS)
+    finally:
+        refinement.solve_unit_field = solve
+    return Problems(membrane, right_side, met[0])
+
+
+def compared(shape: str, size: int, repeats: int, slow: set[tuple[str, str]]) -> list[Row]:
+    """Solve both problems by toonkit and by the others, but for those that were too slow at a smaller size."""
+    posed = problems(shape, size)
+    options = {"tolerance": OPTIONS.tolerance}
+    report = solve_unit_field(posed.field, **options)[1]
+    goal = float(report.energies[-1])
+
+    def ours() -> object:
+        return solve_membrane(posed.membrane, posed.right_side, tolerance=RESIDUAL_TOLERANCE)
+
+    others: dict[tuple[str, str], Callable[[], float]] = {
+        ("inflation", "sparse LU"): lambda: timed(
+            lambda: other_solvers.membrane_solved(posed.membrane, posed.right_side, other_solvers.factorized)
+        ),
+        ("inflation", "pyamg"): lambda: timed(
+            lambda: other_solvers.membrane_solved(posed.membrane, posed.right_side, other_solvers.by_pyamg)
+        ),
+        ("inflation", "over-relaxed sweeps"): lambda: other_solvers.membrane_swept(
+            posed.membrane, posed.right_side, RESIDUAL_TOLERANCE, LIMIT
+        ),
+        ("refinement", "Newton, sparse LU"): lambda: other_solvers.newton(
+            posed.field, goal, LIMIT, other_solvers.factorized
+        )[0],
+        ("refinement", "Newton, pyamg"): lambda: other_solvers.newton(
+            posed.field, goal, LIMIT, other_solvers.by_pyamg
+        )[0],
+        ("refinement", "over-relaxed sweeps"): lambda: other_solvers.swept(posed.field, goal, LIMIT)[0],
+    }
+    rows = [
+        _solver_row(shape, size, "inflation", "toonkit", median_seconds(ours, repeats)),
+        _solver_row(
+            shape, size, "refinement", "toonkit",
+            median_seconds(lambda: solve_unit_field(posed.field, **options), repeats),
+        ),
+    ]  # fmt: skip
+    for (problem, solver), work in others.items():
+        if (problem, solver) in slow:
+            continue
+        seconds = work()
+        if (
+            seconds > LIMIT / 8
+        ):  # at twice the side it would take longer than the limit, or more memory than there is
+            slow.add((problem, solver))
+        rows.append(_solver_row(shape, size, problem, solver, seconds))
+    return rows
+
+
+FRESH = """
+import time; begin = time.perf_counter()
+import numpy as np, toonkit
+stored = np.load({path!r})
+image = toonkit.ToonImage(stored["color"], stored["mask"], alpha=stored["alpha"])
+toonkit.analyze(image, toonkit.light_direction(129, 50))
+print(time.perf_counter() - begin)
+"""
+
+
+def first_use() -> Row:
+    """Time a 512² drawing in new processes, imports included: the first one on a machine compiles, later ones need not."""
+    image = drawing("cat", 512)
+    with tempfile.TemporaryDirectory() as folder:
+        path = str(Path(folder) / "drawing.npz")
+        np.savez(path, color=image.color, mask=image.mask, alpha=image.alpha)
+        run = [sys.executable, "-c", FRESH.format(path=path)]
+        environment = {**os.environ, "NUMBA_CACHE_DIR": folder}
+        seconds = [
+            float(subprocess.run(run, env=environment, check=True, capture_output=True, text=True).stdout)
+            for _ in range(6)
+        ]
+    return {"first_process_seconds": seconds[0], "later_process_seconds": float(np.median(seconds[1:]))}
+
+
+def _solver_row(shape: str, size: int, problem: str, solver: str, seconds: float) -> Row:
+    return {"shape": shape, "size": size, "problem": problem, "solver": solver, "seconds": seconds}
 
 
 def table(rows: list[Row]) -> str:
     """One line per case, as a Markdown table."""
     lines = [
-        "| shape | size | method | analyze | per pixel | peak memory per pixel | relight |",
-        "|---|---|---|---|---|---|---|",
+        "| shape | size | method | analyze | per pixel | again, light moved | peak memory per pixel | relight |",
+        "|---|---|---|---|---|---|---|---|",
     ]
     for row in rows:
         lines.append(
             f"| {row['shape']} | {int(row['size'])}² | `{row['method']}` | {float(row['analyze_seconds']):.2f} s "
-            f"| {float(row['analyze_microseconds_per_pixel']):.1f} µs | {float(row['peak_bytes_per_pixel']):.0f} B "
-            f"| {1000 * float(row['relight_seconds']):.0f} ms |"
+            f"| {float(row['analyze_microseconds_per_pixel']):.2f} µs | {float(row['again_seconds']):.2f} s "
+            f"| {float(row['peak_bytes_per_pixel']):.0f} B | {1000 * float(row['relight_seconds']):.0f} ms |"
         )
     return "\n".join(lines)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description="Speed and memory of the analysis.")
-    parser.add_argument("-o", "--output", type=Path, metavar="CSV", help="write the table")
-    parser.add_argument("--sizes", type=int, nargs="+", default=[256, 512, 1024])
-    parser.add_argument("--methods", nargs="+", default=list(toonkit.METHODS), choices=list(toonkit.METHODS))
-    parser.add_argument("--repeats", type=int, default=5)
-    arguments = parser.parse_args()
-    cases = [
-        (shape, size, method)
-        for size in arguments.sizes
-        for shape in ("sphere", "cat")
-        for method in arguments.methods
+def solver_table(rows: list[Row]) -> str:
+    """One line per problem and solver, its seconds at each size, as a Markdown table; a dash where it was not run."""
+    sizes = sorted({int(row["size"]) for row in rows})
+    known = {(row["problem"], row["solver"], int(row["size"])): float(row["seconds"]) for row in rows}
+    lines = [
+        "| problem | solver | " + " | ".join(f"{size}²" for size in sizes) + " |",
+        "|---" * (2 + len(sizes)) + "|",
     ]
-    rows = [measured(*case, arguments.repeats) for case in tqdm(cases, file=sys.stderr, unit="case")]
+    for problem, solver in dict.fromkeys((problem, solver) for problem, solver, _ in known):
+        cells = [known.get((problem, solver, size)) for size in sizes]
+        shown = ["–" if cell is None else _seconds(cell) for cell in cells]
+        lines.append(f"| {problem} | {solver} | " + " | ".join(shown) + " |")
+    return "\n".join(lines)
+
+
+def _seconds(value: float) -> str:
+    return f"> {LIMIT:.0f} s" if value >= LIMIT else f"{value:.3g} s"
+
+
+def scaling_figure(rows: list[Row], solvers: list[Row]) -> Figure:
+    """Seconds against the picture's side, both axes logarithmic: the whole analysis, and the refinement by each solver."""
+    figure = Figure(figsize=(9, 3.6), layout="constrained")
+    whole, refined = figure.subplots(1, 2)
+    for shape, name in (("sphere", "disc"), ("cat", "cat")):
+        chosen = [row for row in rows if (row["shape"], row["method"]) == (shape, "toonkit")]
+        whole.loglog(*_curve(chosen, "analyze_seconds"), "o-", label=f"analyze, {name}")
+        whole.loglog(*_curve(chosen, "relight_seconds"), "s--", label=f"relight, {name}")
+    for solver in dict.fromkeys(row["solver"] for row in solvers if row["problem"] == "refinement"):
+        chosen = [
+            row
+            for row in solvers
+            if (row["shape"], row["problem"], row["solver"]) == ("cat", "refinement", solver)
+        ]
+        refined.loglog(*_curve(chosen, "seconds"), "o-", label=solver)
+    whole.set_title("The whole analysis")
+    refined.set_title("Refining the normals of the cat, to the same energy")
+    for axes in (whole, refined):
+        sizes = sorted({int(row["size"]) for row in rows})
+        axes.set_xticks(sizes, [f"{size}²" for size in sizes], minor=False)
+        axes.set_xticks([], minor=True)
+        axes.set_xlabel("picture")
+        axes.grid(alpha=0.3)
+        axes.legend(fontsize=8, frameon=False)
+    whole.set_ylabel("seconds")
+    return figure
+
+
+def _curve(rows: list[Row], name: str) -> tuple[list[float], list[float]]:
+    return [float(row["size"]) for row in rows], [float(row[name]) for row in rows]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Speed and memory of the analysis and of its solvers.")
+    parser.add_argument("-o", "--output", type=Path, metavar="FOLDER", help="write tables and figure")
+    parser.add_argument("--sizes", type=int, nargs="+", default=list(SIZES))
+    parser.add_argument("--repeats", type=int, default=7)
+    arguments = parser.parse_args()
+    fresh = first_use()
+    print(
+        "{first_process_seconds:.2f} s in a first process, {later_process_seconds:.2f} s in a later one".format(
+            **fresh
+        )
+    )
+    rows: list[Row] = []
+    solvers: list[Row] = []
+    slow: dict[str, set[tuple[str, str]]] = {"sphere": set(), "cat": set()}
+    cases = [(shape, size) for size in arguments.sizes for shape in slow]
+    for shape, size in tqdm(cases, file=sys.stderr, unit="case"):
+        repeats = 3 if size >= FEW else arguments.repeats
+        methods = toonkit.METHODS if size <= BASELINES_UP_TO else ("toonkit",)
+        rows += [measured(shape, size, method, repeats) for method in methods]
+        solvers += compared(shape, size, repeats, slow[shape])
     print(table(rows))
+    for shape in slow:
+        print(f"\n{shape}\n" + solver_table([row for row in solvers if row["shape"] == shape]))
     if arguments.output is not None:
-        with arguments.output.open("w", newline="") as file:
-            writer = csv.DictWriter(file, fieldnames=list(rows[0]))
-            writer.writeheader()
-            writer.writerows(
-                {
-                    key: float(f"{value:.4g}") if isinstance(value, float) else value
-                    for key, value in row.items()
-                }
-                for row in rows
-            )
+        arguments.output.mkdir(parents=True, exist_ok=True)
+        _write(arguments.output / "speed.csv", rows)
+        _write(arguments.output / "solvers.csv", solvers)
+        _write(arguments.output / "first_use.csv", [fresh])
+        scaling_figure(rows, solvers).savefig(arguments.output / "scaling.png", dpi=110)
+
+
+def _write(path: Path, rows: list[Row]) -> None:
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, fieldnames=list(rows[0]))
+        writer.writeheader()
+        writer.writerows(
+            {key: float(f"{value:.4g}") if isinstance(value, float) else value for key, value in row.items()}
+            for row in rows
+        )
 
 
 if __name__ == "__main__":

@@ -78,3 +78,31 @@ def test_an_option_without_meaning_is_refused(option, value):
 def test_an_interval_whose_bounds_are_swapped_is_refused():
     with pytest.raises(ToonkitError, match="lower must not lie above upper"):
         IlluminationInterval(np.ones(3), np.zeros(3))
+
+
+def test_a_guess_on_another_mask_is_refused():
+    with pytest.raises(ToonkitError, match="guess must"):
+        refine(SHAPE.normals, LIGHT, everywhere(0.5), guess=ellipse(16, 24).normals)
+
+
+def test_from_its_own_answer_a_refinement_stands_still():
+    interval = true_interval()
+    once = refine(SHAPE.normals, LIGHT, interval, options=RefinementOptions(tolerance=1e-7))
+    again = refine(
+        SHAPE.normals, LIGHT, interval, options=RefinementOptions(tolerance=1e-7), guess=once.normals
+    )
+    # A ten-millionth of the energy is some thousandths of a normal.
+    assert np.nanmax(np.abs(again.normals.vectors - once.normals.vectors)) < 5e-3
+
+
+def test_a_change_dies_out_over_its_reach():
+    interval = IlluminationInterval(np.where(MASK, -1.0, np.nan), np.where(MASK, 1.0, np.nan))
+    middle = SHAPE.normals.vectors @ LIGHT > 0.97
+    darker = IlluminationInterval(interval.lower, np.where(middle, 0.8, interval.upper))
+    moved = []
+    for reach in (0.02, 0.5):
+        options = RefinementOptions(change_reach=reach, integrability_length=0.0)
+        refined = refine(SHAPE.normals, LIGHT, darker, options=options).normals
+        change = np.linalg.norm(refined.vectors - SHAPE.normals.vectors, axis=-1)
+        moved.append(change[MASK & ~middle].mean())
+    assert moved[0] < 0.5 * moved[1]

@@ -22,7 +22,8 @@ from toonkit.study.subjects import Subject
 PACKAGE = Path(toonkit.__file__).parent
 
 _NETWORKS = tuple(
-    f"estimation/{name}.py" for name in ("convolution", "tone_ranks", "working_square", "weights/__init__")
+    f"estimation/{name}.py"
+    for name in ("convolution", "overview", "tone_ranks", "working_square", "weights/__init__")
 )
 
 _SHAPE = ("estimation/shape_prior.py", "estimation/weights/shape_prior.npz", *_NETWORKS)

@@ -135,8 +135,10 @@ class RelightState(param.Parameterized):
         key = (_digest(image), method, tuple(angles or ()))
         analysis = _kept.get(key)
         if analysis is None:
+            shown = self.analysis
+            previous = shown if shown is not None and shown.image is image else None
             analysis = await self._work(
-                "reading the drawing", lambda progress: _analyze_once(key, image, progress)
+                "reading the drawing", lambda progress: _analyze_once(key, image, progress, previous)
             )
         else:
             self.cancel()
@@ -198,18 +200,20 @@ def prepare_sample(name: str) -> None:
     """Analyze a sample ahead of time, so that the next page to open it need not wait."""
     image = toonkit.load_image(sample_path(name))
     key = (_digest(image), DEFAULT_METHOD, sample_light(name))
-    _analyze_once(key, image, lambda _step, _fraction: None)
+    _analyze_once(key, image, lambda _step, _fraction: None, None)
 
 
-def _analyze_once(key: Key, image: ToonImage, progress: Progress) -> ToonAnalysis:
-    """Analyze a picture, or wait for whoever is analyzing, who may be doing just that."""
+def _analyze_once(
+    key: Key, image: ToonImage, progress: Progress, previous: ToonAnalysis | None
+) -> ToonAnalysis:
+    """Analyze a picture, from an earlier answer if there is one, or wait for whoever is analyzing it already."""
     while not _at_work.acquire(timeout=PROGRESS_SECONDS):
         progress("waiting for another drawing", 0.0)
     try:
         if key not in _kept:
             _, method, angles = key
             light = toonkit.light_direction(*angles) if angles else None
-            analysis = toonkit.analyze(image, light, method=method, progress=progress)
+            analysis = toonkit.analyze(image, light, method=method, previous=previous, progress=progress)
             if image.mask.size > KEPT_PIXELS:
                 return analysis
             _kept[key] = analysis

@@ -1,0 +1,50 @@
+"""The reduced drawing that the networks see."""
+
+import numpy as np
+import pytest
+
+from tests.analytic import TWO_TONE, ellipse, painted
+from toonkit.estimation.overview import LONGEST, Overview
+from toonkit.estimation.reading import reading
+from toonkit.estimation.working_square import WorkingSquare
+
+
+def overview(size: int) -> tuple[Overview, float]:
+    shape = ellipse(size, 0.6 * size)
+    read = reading(painted(shape.normals, TWO_TONE))
+    return Overview.of(read, read.initial_normals.vectors[shape.mask]), shape.mask.sum()
+
+
+@pytest.mark.parametrize("radius", [40, 150])
+def test_a_small_drawing_is_seen_as_it_is(radius):
+    reduced, area = overview(radius)
+    assert (reduced.factor, reduced.grid.size) == (1, area)
+
+
+@pytest.mark.parametrize(("radius", "factor"), [(170, 2), (330, 4), (500, 4)])
+def test_a_large_one_is_reduced_by_halves(radius, factor):
+    reduced, area = overview(radius)
+    assert reduced.factor == factor
+    assert max(np.ptp(reduced.grid.rows), np.ptp(reduced.grid.columns)) < LONGEST
+    assert reduced.grid.size == pytest.approx(area / factor**2, rel=0.01)
+    assert np.allclose(np.linalg.norm(reduced.initial, axis=1), 1)
+
+
+def test_it_has_the_drawings_own_tones_and_no_mixtures():
+    reduced, _ = overview(330)
+    bands = np.unique(reading(painted(ellipse(330, 198).normals, TWO_TONE)).tones.plain.round(9))
+    inner = np.abs(reduced.tones[:, None] - bands).min(axis=1) < 1e-6
+    assert inner.mean() > 0.99  # at the rim, a block whose middle is outside has the mean of the rest
+
+
+def test_the_same_drawing_in_four_times_the_pixels_is_seen_alike():
+    seen = []
+    for size in (150, 300):
+        reduced, _ = overview(size)
+        square = WorkingSquare.around(reduced.grid, np.array([0.6, 0.8]))
+        seen.append(reduced.seen_from(square))
+    (mask, tones, normals), (mask_2, tones_2, normals_2) = seen
+    both = mask & mask_2
+    assert (mask ^ mask_2).mean() < 0.01
+    assert (np.abs(tones - tones_2)[both] > 0.01).mean() < 0.03
+    assert np.abs(normals - normals_2)[both].mean() < 0.02

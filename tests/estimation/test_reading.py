@@ -1,0 +1,93 @@
+"""What is read off a drawing once, and how long it is remembered."""
+
+import gc
+import weakref
+
+import numpy as np
+import pytest
+
+from tests.analytic import SOFT, TWO_TONE, blob_mask, ellipse, painted
+from toonkit import ToonImage, inflate
+from toonkit.estimation.painted_tones import FLAT, MIXING_REACH
+from toonkit.estimation.reading import REMEMBERED, reading
+from toonkit.model.luminance import tone
+
+
+def pictures(count: int) -> list[ToonImage]:
+    return [painted(ellipse(20 + k, 15).normals, SOFT) for k in range(count)]
+
+
+def test_a_picture_is_read_once():
+    (image,) = pictures(1)
+    assert reading(image) is reading(image)
+    assert reading(image).initial_normals is reading(image).initial_normals
+
+
+def test_only_the_last_few_are_remembered():
+    several = pictures(REMEMBERED + 1)
+    readings = [reading(image) for image in several]
+    assert reading(several[-1]) is readings[-1]
+    assert reading(several[0]) is not readings[0]
+
+
+def test_a_picture_that_is_gone_is_forgotten():
+    (image,) = pictures(1)
+    gone = weakref.ref(reading(image).tones)
+    del image
+    gc.collect()
+    assert gone() is None
+
+
+def test_the_inflated_shape_is_that_of_the_silhouette():
+    shape = ellipse(30, 20)
+    image = painted(shape.normals, SOFT, alpha=shape.coverage)
+    expected = inflate(image.mask, alpha=image.alpha)
+    assert np.array_equal(reading(image).initial_normals.vectors, expected.vectors, equal_nan=True)
+
+
+def plain_by_hand(image: ToonImage) -> np.ndarray:
+    """The slow, readable way: pixel by pixel, as `PaintedTones` tells it."""
+    tones = tone(image.color)
+    height, width = tones.shape
+
+    def around(row, column, reach):
+        for r in range(max(row - reach, 0), min(row + reach + 1, height)):
+            for c in range(max(column - reach, 0), min(column + reach + 1, width)):
+                if image.mask[r, c] and (r, c) != (row, column):
+                    yield r, c
+
+    flat = np.zeros(image.mask.shape, bool)
+    for row, column in np.argwhere(image.mask):
+        near = list(around(row, column, 1))
+        alike = sum(abs(tones[place] - tones[row, column]) < FLAT for place in near)
+        flat[row, column] = alike >= min(len(near), 4)
+    plain = tones.copy()
+    for row, column in np.argwhere(image.mask & ~flat):
+        bands = [tones[place] for place in around(row, column, MIXING_REACH) if flat[place]]
+        own = tones[row, column]
+        if bands and min(bands) + FLAT < own < max(bands) - FLAT:
+            plain[row, column] = min(bands) if own - min(bands) < max(bands) - own else max(bands)
+    return plain[image.mask]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_plain_tones_are_those_found_pixel_by_pixel(seed):
+    random = np.random.default_rng(seed)
+    mask = blob_mask(seed, size=40)
+    steps = np.kron(random.integers(1, 5, (8, 8)), np.ones((5, 5))) / 5
+    soft = np.stack([steps, np.roll(steps, 1, axis=0), np.roll(steps, 1, axis=1)]).mean(axis=0)
+    image = ToonImage(np.repeat(soft[..., None], 3, axis=2), mask)
+    tones = reading(image).tones
+    assert np.allclose(tones.plain, plain_by_hand(image), atol=1e-12)
+    assert tones.mixed.any()
+    assert (tones.darkest <= tones.tone).all()
+    assert (tones.brightest >= tones.tone).all()
+
+
+def test_the_light_of_the_darkest_pixels_adds_up():
+    image = painted(ellipse(30, 20).normals, TWO_TONE)
+    tones = reading(image).tones
+    assert tones.accumulated[0].tolist() == [0, 0, 0]
+    # A mixed pixel counts for one of its bands, so the sum is that of the colors but for a few pixels in a thousand.
+    assert np.allclose(tones.accumulated[-1], tones.light.sum(axis=0), rtol=1e-3)
+    assert (np.diff(tones.accumulated @ [1, 1, 1]) >= 0).all()
