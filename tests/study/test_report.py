@@ -241,5 +241,5 @@ def test_the_response_is_headed_as_a_median(trials):
 
 def test_refinements_are_counted_over_completed_trials(trials):
     table = refinements(failed(trials, shape=SHAPES[0], color_map=COLOR_MAPS[0], method="todo"))
-    assert table.loc["todo", ["completed", "failed", "sweeps, median"]].tolist() == [35, 1, 50]
+    assert table.loc["todo", ["completed", "failed", "iterations, median"]].tolist() == [35, 1, 50]
     assert table.loc["todo", "seconds"] == pytest.approx(35 * 0.5)

@@ -77,7 +77,7 @@ def _cluster(workers: int | None, scheduler: str | None, cells: int) -> Iterator
         with dask.config.set(_LOCAL), _ignoring_interrupts():
             cluster = LocalCluster(
                 n_workers=min(worker_count(workers), cells),
-                threads_per_worker=1,  # the solvers use one core each
+                threads_per_worker=1,  # a trial keeps a core busy; what its solvers spread falls to idle ones
                 memory_limit=None,  # dask would count what a worker keeps for its next array, and stop it
                 dashboard_address=":0",  # any port: another cluster may hold the usual one
                 silence_logs=logging.CRITICAL,

@@ -174,9 +174,9 @@ def refinements(trials: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        A row for each method: `completed` and `failed` trials, median and largest number of `sweeps`, the share that
-        `converged`, the most frequent reason why it `stopped`, and the `seconds` of all its analyses together,
-        by a clock on the wall while all cores were busy.
+        A row for each method: `completed` and `failed` trials, median and largest number of `iterations` (sweeps, or
+        cycles of the multigrid), the share that `converged`, the most frequent reason why it `stopped`, and the `seconds`
+        of all its analyses together, by a clock on the wall while all cores were busy.
     """
     completed = trials[~failed(trials)]
     groups = completed.groupby("method")
@@ -185,8 +185,8 @@ def refinements(trials: pd.DataFrame) -> pd.DataFrame:
         {
             "completed": counts["completed"],
             "failed": counts["failed"],
-            "sweeps, median": groups["iterations"].median(),
-            "sweeps, most": groups["iterations"].max(),
+            "iterations, median": groups["iterations"].median(),
+            "iterations, most": groups["iterations"].max(),
             "converged": groups["converged"].mean(),
             "stopped": groups["stopped"].agg(lambda reasons: reasons.mode().iloc[0]),
             "seconds": groups["seconds"].sum(),
@@ -197,7 +197,7 @@ def refinements(trials: pd.DataFrame) -> pd.DataFrame:
 
 def shown_refinements(table: pd.DataFrame) -> pd.DataFrame:
     """Show `refinements` as text."""
-    whole = ["completed", "failed", "sweeps, median", "sweeps, most"]
+    whole = ["completed", "failed", "iterations, median", "iterations, most"]
     shown = table[whole].map(lambda value: f"{value:.0f}" if np.isfinite(value) else "none")
     shown["converged"] = table["converged"].map(_share)
     shown["usual reason to stop"] = table["stopped"].fillna("none")
