@@ -68,7 +68,7 @@ def varied(
     light,
     *,
     progress=None,
-    looks: int = LOOKS,
+    looks: int = len(LOOKS),
     refined: bool = True,
     options: RefinementOptions = OPTIONS,
     color_map: ColorMap | None = None,

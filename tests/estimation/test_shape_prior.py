@@ -12,7 +12,6 @@ from toonkit.estimation.shape_prior import (
     CHANNELS,
     DAMPING,
     LOOKS,
-    VIEWS,
     completed,
     correct_shape,
     features,
@@ -209,20 +208,33 @@ def test_at_the_second_look_the_network_sees_its_first_answer(monkeypatch: pytes
     monkeypatch.setattr(shape_prior, "field", field)
     shape = cut_ellipse(60, 41)
     correct_shape(painted(shape.normals, SOFT), LIGHT, inflate(shape.mask))
-    assert len(looks) == LOOKS * len(VIEWS)
-    for view in range(len(VIEWS)):
-        first, second = looks[LOOKS * view : LOOKS * (view + 1)]
-        assert np.array_equal(first[1:4], first[4:7])
-        assert np.array_equal(second[4:7], first[4:7])
-        expected = completed(first[1:4, first[0] == 1].T + np.array([0.3, 0, 0]))
-        assert np.allclose(second[1:4, first[0] == 1].T, expected, atol=1e-6)
+    assert len(looks) == sum(map(len, LOOKS))
+    first, *second = looks
+    assert np.allclose(first[1:4], first[4:7], atol=1e-6)
+    for seen in second:
+        # The middle of the square: an answer that is the same everywhere is the same there on any square.
+        inside = (slice(None), slice(40, 56), slice(40, 56))
+        expected = completed(seen[4:7][inside].transpose(1, 2, 0) + np.array([0.3, 0, 0]))
+        assert np.abs(seen[1:4][inside].transpose(1, 2, 0) - expected).max() < 0.05
+        assert np.abs(seen[1:4] - seen[4:7]).max() > 0.1
 
 
-def test_half_of_the_views_are_mirrored_and_every_one_is_larger() -> None:
-    widths, mirrored = zip(*VIEWS, strict=True)
-    assert sum(mirrored) * 2 == len(VIEWS)
-    assert widths[0] == 1
-    assert (np.diff(widths) > 0).all()
+def test_of_two_views_one_is_mirrored_and_all_are_different() -> None:
+    views = [view for look in LOOKS for view in look]
+    assert len({width for width, _ in views}) == len(views)
+    assert all(1 <= width < 1.1 for width, _ in views)
+    assert sum(mirrored for _, mirrored in LOOKS[-1]) * 2 == len(LOOKS[-1])
+
+
+@pytest.mark.parametrize("wider", [0.8, 1.0, 1.07])
+def test_a_linear_field_is_resampled_exactly(wider: float) -> None:
+    places = (np.arange(SIZE) - (SIZE - 1) / 2) / SIZE
+    finer = (np.arange(2 * SIZE) - (2 * SIZE - 1) / 2) / (2 * SIZE) / wider
+    field = np.stack([places[:, None] + 0 * places, 3 * places - places[:, None]], axis=-1)
+    expected = np.stack([finer[:, None] + 0 * finer, 3 * finer - finer[:, None]], axis=-1)
+    inside = np.abs(finer) < places.max()
+    seen = shape_prior._resampled(field, wider, 2 * SIZE)
+    assert np.allclose(seen[np.ix_(inside, inside)], expected[np.ix_(inside, inside)])
 
 
 @pytest.mark.parametrize("quarters", [1, 2, 3])

@@ -79,6 +79,7 @@ def test_all_code_of_the_estimation_has_a_digest():
         "convolution.py",
         "light_fit.py",
         "light_prior.py",
+        "overview.py",
         "shape_prior.py",
         "tone_ranks.py",
         "working_square.py",

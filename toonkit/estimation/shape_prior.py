@@ -26,12 +26,10 @@ from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.numerics.unit_field import moved
 
-LOOKS = 2
-"""Times the network is asked: the second time it sees what its first answer makes of the colors."""
-
-VIEWS = ((1.0, False), (1.05, True))
-"""Squares on which it is asked: how much wider than the object needs, and whether mirrored across the light. The mean of the
-answers hangs less on where a square's pixels happen to lie; of two it is as good as of four."""
+LOOKS = (((1.0, False),), ((1.03, True), (1.06, False)))
+"""Squares on which the network is asked, look after look: how much wider than the object needs, and whether mirrored across
+the light. At the second look it sees what its first answer makes of the colors; the mean of two hangs less on where the
+pixels of a square happen to lie."""
 
 FINER = 2
 """How much finer than those squares the one is on which the answers meet."""
@@ -51,7 +49,7 @@ def correct_shape(
     light: FloatArray,
     initial_normals: NormalField,
     *,
-    looks: int = LOOKS,
+    looks: int = len(LOOKS),
 ) -> NormalField:
     """
     Correct initial normals by what the network has learned of shapes.
@@ -65,7 +63,7 @@ def correct_shape(
     initial_normals : NormalField
         N0.
     looks : int, optional
-        Times the network is asked.
+        Looks that the network takes.
 
     Returns
     -------
@@ -76,12 +74,16 @@ def correct_shape(
     initial = initial_normals.vectors[image.mask]
     overview = Overview.of(read, initial)
     square = WorkingSquare.around(overview.grid, light[:2])
-    changes = [
-        _magnified(_View.of(overview, light, square.widened(factor)).change(looks, mirrored=mirrored), factor)
-        for factor, mirrored in VIEWS
-    ]
-    change = square.turned_back(np.mean(changes, axis=0))
-    spread = square.enlarged(overview.factor).spread(change, read.grid)
+    change = np.zeros((FINER * SIZE, FINER * SIZE, 3))
+    for look in LOOKS[:looks]:
+        answers = []
+        for factor, mirrored in look:
+            view = _View.of(overview, light, square.widened(factor))
+            seen = view.answered(_resampled(change, 1.0 / factor, SIZE), mirrored=mirrored)
+            answers.append(_resampled(seen, factor, FINER * SIZE))
+        change = np.mean(answers, axis=0)
+    need = _View.of(overview, light, square).need()
+    spread = square.enlarged(overview.factor).spread(square.turned_back(need * change), read.grid)
     return NormalField.of_pixels(moved(read.grid, initial, spread), image.mask)
 
 
@@ -109,7 +111,8 @@ def misfit(image: ToonImage, lights: FloatArray, initial_normals: NormalField) -
     for k, light in enumerate(lights):
         view = _View.of(overview, light, WorkingSquare.around(overview.grid, light[:2]))
         if view.seen_mask.any():
-            seen = view.features(view.corrected(1, mirrored=False))
+            normals = completed(view.initial + view.answered(np.zeros_like(view.initial), mirrored=False))
+            seen = view.features(normals * view.seen_mask[..., None])
             values[k] = _missed(seen) / max(float(np.var(seen[7][view.seen_mask])), 1e-12)
     return values
 
@@ -143,31 +146,29 @@ class _View:
         """Return the features, given normals as far as they are known."""
         return features(self.tones, self.seen_mask, normals, self.initial, self.elevation)
 
-    def corrected(self, looks: int, *, mirrored: bool) -> Array:
-        """Return the normals, shape (SIZE, SIZE, 3), that the network makes of N0, asked so many times."""
-        weights = read_weights("shape_prior")
-        normals = self.initial
-        for _ in range(looks):
-            change = _answer(weights, self.features(normals), mirrored=mirrored)
-            normals = completed(normals + change) * self.seen_mask[..., None]
-        return normals
-
-    def change(self, looks: int, *, mirrored: bool) -> Array:
-        """Return the change of the normals, (SIZE, SIZE, 3), that the network asks for: beside the object, the nearest."""
+    def need(self) -> float:
+        """Return how much of a change is called for, 0 to 1: none if N0 explains the picture, or nothing is to be seen."""
         if not self.seen_mask.any():  # a line thinner than the square's pixels
-            return np.zeros_like(self.initial)
+            return 0.0
         missed = _missed(self.features(self.initial))
-        need = missed / (missed + NEGLIGIBLE**2)  # none if N0 explains the picture
-        change = need * (self.corrected(looks, mirrored=mirrored) - self.initial)
+        return missed / (missed + NEGLIGIBLE**2)
+
+    def answered(self, change: NDArray[Any], *, mirrored: bool) -> Array:
+        """Return the change of N0, (SIZE, SIZE, 3), that the network makes of an earlier one, and fill in around the object."""
+        if not self.seen_mask.any():
+            return np.zeros_like(self.initial)
+        normals = completed(self.initial + change) * self.seen_mask[..., None]
+        answer = _answer(read_weights("shape_prior"), self.features(normals), mirrored=mirrored)
+        normals = completed(normals + answer)
         nearest = distance_transform_edt(~self.seen_mask, return_distances=False, return_indices=True)
-        return np.asarray(change[tuple(nearest)])
+        return np.asarray((normals - self.initial)[tuple(nearest)])
 
 
-def _magnified(field: Array, factor: float) -> FloatArray:
-    """Interpolate a field (SIZE, SIZE, C) of a square so many times as wide, linearly, on a square that is `FINER`."""
-    places = np.arange(FINER * SIZE) - (FINER * SIZE - 1) / 2
-    places = np.clip(places / (FINER * factor) + (SIZE - 1) / 2, 0, SIZE - 1)
-    weights = np.maximum(1.0 - np.abs(places[:, None] - np.arange(SIZE)), 0.0)
+def _resampled(field: NDArray[Any], wider: float, size: int) -> FloatArray:
+    """Interpolate a field (n, n, C) linearly at the pixels of another square with `size` a side, so many times less wide."""
+    count = len(field)
+    places = (np.arange(size) - (size - 1) / 2) * (count / (wider * size)) + (count - 1) / 2
+    weights = np.maximum(1.0 - np.abs(np.clip(places, 0, count - 1)[:, None] - np.arange(count)), 0.0)
     return np.stack([weights @ part @ weights.T for part in np.moveaxis(field, -1, 0)], axis=-1)
 
 
