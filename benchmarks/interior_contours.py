@@ -141,7 +141,7 @@ def inflated_within(image: ToonImage, contours: Contours) -> NormalField:
     pull = pull + STIFFNESS * (contours.outward[:, 0] + 1j * contours.outward[:, 1])
     sideways, _ = solve_membrane(membrane, pull, tolerance=RESIDUAL_TOLERANCE)
     flat = sideways / np.maximum(np.abs(sideways), 1.0)
-    forward = np.sqrt(np.maximum(1.0 - np.abs(flat) ** 2, 0.0))
+    forward = np.sqrt(np.maximum(1.0 - flat.real**2 - flat.imag**2, 0.0))
     return NormalField.of_pixels(np.stack([flat.real, flat.imag, forward], axis=1), image.mask)
 
 

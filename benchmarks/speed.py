@@ -3,8 +3,9 @@
     python -m benchmarks.speed -o benchmarks/results
 
 For each size a disc and the silhouette of a cat, painted in four soft tones. Medians over repeats after one warm-up run, so
-that compiling does not count; every repeat sees a picture of its own, so that nothing is remembered. Machines are noisy:
-read the times as ratios to those beside them. Writes speed.csv, solvers.csv, first_use.csv and scaling.png.
+that compiling does not count (at 4096² a single run); every repeat sees a picture of its own, of which nothing is remembered.
+Machines are noisy: read the times as ratios to those beside them. Writes speed.csv, solvers.csv, first_use.csv and
+scaling.png.
 """
 
 from __future__ import annotations
@@ -46,14 +47,14 @@ RENDERED = 256
 """Side at which the silhouettes are rendered; larger ones are interpolated from it, which speed does not mind."""
 
 SIZES = (256, 512, 1024, 2048, 4096)
-BASELINES_UP_TO = 512
-"""Largest side at which the other methods are timed."""
+BASELINES_AT = 512
+"""Side at which the other methods are timed too."""
 
 LIMIT = 60.0
 """Seconds after which another solver is stopped; at larger sizes it is not started."""
 
-FEW = 2048
-"""Side from which on three repeats do."""
+FEW, ONCE = 2048, 4096
+"""Sides from which on three repeats do, and one without a warm-up."""
 
 Row = dict[str, str | float]
 
@@ -82,7 +83,8 @@ def timed(work: Callable[[], object]) -> float:
 
 
 def median_seconds(work: Callable[[], object], repeats: int) -> float:
-    work()
+    if repeats > 1:
+        work()
     return float(np.median([timed(work) for _ in range(repeats)]))
 
 
@@ -98,13 +100,17 @@ def measured(shape: str, size: int, method: str, repeats: int) -> Row:
     """Time one method on one picture: from scratch, again under a light nearby, and relighting what it found."""
     image = drawing(shape, size)
 
-    def work() -> toonkit.ToonAnalysis:
-        return toonkit.analyze(again(image), LIGHT, method=method)
+    analysis: toonkit.ToonAnalysis | None = None
+
+    def work() -> None:
+        nonlocal analysis
+        analysis = toonkit.analyze(again(image), LIGHT, method=method)
 
     seconds = median_seconds(work, repeats)
-    analysis = work()
+    assert analysis is not None
+    found = analysis
     warm = median_seconds(
-        lambda: toonkit.analyze(analysis.image, NEARBY_LIGHT, method=method, previous=analysis), repeats
+        lambda: toonkit.analyze(found.image, NEARBY_LIGHT, method=method, previous=found), repeats
     )
     return {
         "shape": shape,
@@ -115,8 +121,8 @@ def measured(shape: str, size: int, method: str, repeats: int) -> Row:
         "analyze_microseconds_per_pixel": seconds / size**2 * 1e6,
         "again_seconds": warm,
         "peak_bytes_per_pixel": peak_bytes(work) / size**2,
-        "relight_seconds": median_seconds(lambda: toonkit.relight(analysis, NEW_LIGHT), max(repeats, 5)),
-        "iterations": analysis.report.iterations,
+        "relight_seconds": median_seconds(lambda: toonkit.relight(found, NEW_LIGHT), max(repeats, 5)),
+        "iterations": found.report.iterations,
     }
 
 
@@ -307,8 +313,8 @@ def main() -> None:
     slow: dict[str, set[tuple[str, str]]] = {"sphere": set(), "cat": set()}
     cases = [(shape, size) for size in arguments.sizes for shape in slow]
     for shape, size in tqdm(cases, file=sys.stderr, unit="case"):
-        repeats = 3 if size >= FEW else arguments.repeats
-        methods = toonkit.METHODS if size <= BASELINES_UP_TO else ("toonkit",)
+        repeats = 1 if size >= ONCE else 3 if size >= FEW else arguments.repeats
+        methods = toonkit.METHODS if size == BASELINES_AT else ("toonkit",)
         rows += [measured(shape, size, method, repeats) for method in methods]
         solvers += compared(shape, size, repeats, slow[shape])
     print(table(rows))

@@ -212,10 +212,11 @@ def test_at_the_second_look_the_network_sees_its_first_answer(monkeypatch: pytes
     first, *second = looks
     assert np.allclose(first[1:4], first[4:7], atol=1e-6)
     for seen in second:
-        # The middle of the square: an answer that is the same everywhere is the same there on any square.
-        inside = (slice(None), slice(40, 56), slice(40, 56))
-        expected = completed(seen[4:7][inside].transpose(1, 2, 0) + np.array([0.3, 0, 0]))
-        assert np.abs(seen[1:4][inside].transpose(1, 2, 0) - expected).max() < 0.05
+        on_object = seen[0] == 1
+        expected = completed(seen[4:7, on_object].T + np.array([0.3, 0, 0]))
+        apart = np.abs(seen[1:4, on_object].T - expected).max(axis=1)
+        # Interpolated from the first square's pixels: exact but for the rim, where N0 turns within one of them.
+        assert np.quantile(apart, 0.75) < 0.02
         assert np.abs(seen[1:4] - seen[4:7]).max() > 0.1
 
 

@@ -154,7 +154,7 @@ class _View:
         return missed / (missed + NEGLIGIBLE**2)
 
     def answered(self, change: NDArray[Any], *, mirrored: bool) -> Array:
-        """Return the change of N0, (SIZE, SIZE, 3), that the network makes of an earlier one, and fill in around the object."""
+        """Return the change of N0, (SIZE, SIZE, 3), that the network makes of an earlier one; filled in off the object."""
         if not self.seen_mask.any():
             return np.zeros_like(self.initial)
         normals = completed(self.initial + change) * self.seen_mask[..., None]
