@@ -55,9 +55,6 @@ def variants(painting: Painting) -> dict[str, Method]:
             varied, options=replace(OPTIONS, integrability_length=0.0)
         ),
         "toonkit without creases": functools.partial(varied, options=replace(OPTIONS, crease_turn=1e9)),
-        "toonkit whose changes reach as far as classical's": functools.partial(
-            varied, options=RefinementOptions()
-        ),
         "toonkit without margin": functools.partial(varied, options=replace(OPTIONS, margin=0.0)),
         "toonkit with the true color map": functools.partial(varied, color_map=painting.color_map),
     }

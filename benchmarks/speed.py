@@ -3,7 +3,7 @@
     python -m benchmarks.speed -o benchmarks/results
 
 For each size a disc and the silhouette of a cat, painted in four soft tones. Medians over repeats after one warm-up run, so
-that compiling does not count (at 4096² a single run); every repeat sees a picture of its own, of which nothing is remembered.
+that compiling does not count (at 4096² a single run); every repeat sees a picture of its own, of which nothing is kept.
 Machines are noisy: read the times as ratios to those beside them. Writes speed.csv, solvers.csv, first_use.csv and
 scaling.png.
 """
