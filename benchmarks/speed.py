@@ -280,7 +280,7 @@ def scaling_figure(rows: list[Row], solvers: list[Row]) -> Figure:
         ]
         refined.loglog(*_curve(chosen, "seconds"), "o-", label=solver)
     whole.set_title("The whole analysis")
-    refined.set_title("Refining the normals of the cat, to the same energy")
+    refined.set_title("Refining the cat, to the same energy")
     for axes in (whole, refined):
         sizes = sorted({int(row["size"]) for row in rows})
         axes.set_xticks(sizes, [f"{size}²" for size in sizes], minor=False)
