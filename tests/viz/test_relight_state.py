@@ -104,10 +104,10 @@ def test_a_newer_wish_ends_an_older_computation(drawing, monkeypatch):
     state = opened(drawing)
     real = toonkit.analyze
 
-    def slow_for_todo(image, light=None, *, method, progress):
+    def slow_for_todo(image, light=None, *, method, previous, progress):
         while method == "todo":
             progress("working", 0.5)
-        return real(image, light, method=method, progress=progress)
+        return real(image, light, method=method, previous=previous, progress=progress)
 
     async def two_wishes():
         state.method = "todo"
