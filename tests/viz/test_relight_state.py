@@ -121,6 +121,21 @@ def test_a_newer_wish_ends_an_older_computation(drawing, monkeypatch):
     assert state.analysis.method == state.method == "lambert"
 
 
+def test_under_another_original_light_the_answer_that_is_shown_is_where_it_starts(drawing, monkeypatch):
+    state = opened(drawing)
+    shown, real, previous_ones = state.analysis, toonkit.analyze, []
+
+    def noted(image, light=None, *, method, previous, progress):
+        previous_ones.append(previous)
+        return real(image, light, method=method, previous=previous, progress=progress)
+
+    monkeypatch.setattr(toonkit, "analyze", noted)
+    state.original_light = [77.0, 33.0]
+    run(state.analyze())
+    assert previous_ones == [shown]
+    assert state.analysis is not shown
+
+
 def test_the_files_hold_the_relit_picture_and_an_opengl_normal_map(drawing):
     state = opened(drawing)
     with Image.open(state.relit_png()) as relit, Image.open(state.normal_map_png()) as normal_map:
