@@ -67,7 +67,7 @@ def medial(image: ToonImage) -> NormalField:
 
 def mixed(image: ToonImage) -> NormalField:
     """Meet half way between the harmonic inflation and Poisson's."""
-    total = harmonic(image).vectors[image.mask] + poisson(image).vectors[image.mask]
+    total = harmonic(image).compact + poisson(image).vectors[image.mask]
     return _field(image.mask, total)
 
 

@@ -73,7 +73,7 @@ class Contours(NamedTuple):
 def true_contours(truth: RenderedShape) -> Contours:
     """Return the contours that a shape has: where its depth drops by more than its slopes explain."""
     grid = MaskedGrid(truth.normals.mask)
-    depth, normals = truth.depth[grid.mask], truth.normals.vectors[grid.mask]
+    depth, normals = truth.depth[grid.mask], truth.normals.compact
     sideways = np.hypot(normals[:, 0], normals[:, 1])
     own, behind = (sideways / np.maximum(normals[:, 2], least) for least in (STEEPEST, 1e-6))
     cut = np.zeros(grid.neighbors.shape, dtype=np.bool_)
@@ -97,7 +97,7 @@ def found_contours(image: ToonImage, light: FloatArray) -> Contours:
     ranks = ToneRanks.of(reading(image).tones.plain)
     ordered = np.sort(illumination(initial_normals, light)[grid.mask])
     lower, upper = ordered[ranks.below], ordered[ranks.upto - 1]  # as rank matching allows, mixtures apart
-    normals = initial_normals.vectors[grid.mask]
+    normals = initial_normals.compact
     cut = np.zeros(grid.neighbors.shape, dtype=np.bool_)
     brighter = np.zeros(grid.size, dtype=np.bool_)
     darker = np.zeros(grid.size, dtype=np.bool_)

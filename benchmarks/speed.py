@@ -29,11 +29,13 @@ from tqdm import tqdm
 
 import toonkit
 from benchmarks import other_solvers
+from toonkit.estimation.energy import ShadingTerm
 from toonkit.estimation.inflation import RESIDUAL_TOLERANCE, silhouette_system
 from toonkit.estimation.reading import reading
+from toonkit.estimation.refinement import stated
+from toonkit.estimation.shape_prior import correct_shape
 from toonkit.methods.steps import inflated
-from toonkit.methods.toonkit import OPTIONS, correct_shape
-from toonkit.numerics import unit_field
+from toonkit.methods.toonkit import OPTIONS
 from toonkit.numerics.membrane import Membrane, solve_membrane
 from toonkit.numerics.unit_field import UnitFieldProblem, solve_unit_field
 from toonkit.study.color_maps import load_color_maps
@@ -139,19 +141,10 @@ def problems(shape: str, size: int) -> Problems:
     image = drawing(shape, size)
     read = reading(image)
     membrane, right_side = silhouette_system(read.grid, read.silhouette)
-    steps = inflated(image, LIGHT, None)
-    met: list[UnitFieldProblem] = []
-    solve = unit_field.solve_unit_field
-    refinement = sys.modules["toonkit.estimation.refinement"]
-    try:  # the problem as the refinement states it
-        refinement.solve_unit_field = lambda problem, **options: (
-            met.append(problem),
-            solve(problem, **options),
-        )[1]
-        steps.refined(correct_shape(image, LIGHT, steps.initial_normals), None, OPTIONS)
-    finally:
-        refinement.solve_unit_field = solve
-    return Problems(membrane, right_side, met[0])
+    corrected = correct_shape(image, LIGHT, read.initial_normals)
+    allowed = inflated(image, LIGHT, None).fitted_interval(corrected)
+    shading = ShadingTerm(LIGHT, allowed.lower[image.mask], allowed.upper[image.mask])
+    return Problems(membrane, right_side, stated(read.silhouette, corrected, shading, read.grid, OPTIONS))
 
 
 def compared(shape: str, size: int, repeats: int, slow: set[tuple[str, str]]) -> list[Row]:

@@ -76,10 +76,10 @@ def height_map(normals: NormalField) -> HeightField:
     """
     of_type("normals", normals, NormalField)
     grid = MaskedGrid(normals.mask)
-    vectors = normals.vectors[grid.mask]
+    vectors = normals.compact
     forward = np.maximum(vectors[:, 2], STEEPEST)
     slopes = -vectors[:, :2] / forward[:, None]
-    links = np.zeros((grid.size, 4))
+    links = np.zeros((grid.size, 4), np.float32)
     flow = np.zeros((grid.size, 4))
     half = np.cos(np.deg2rad(BREAK_ANGLE))
     for direction, axis, sign in ((RIGHT, 0, 1.0), (UP, 1, 1.0), (LEFT, 0, -1.0), (DOWN, 1, -1.0)):

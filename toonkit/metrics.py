@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from skimage.color import deltaE_ciede2000, rgb2lab
 
 from toonkit._validation import (
     BoolArray,
@@ -192,6 +191,8 @@ def color_difference(image: ToonImage, reference: ToonImage) -> ErrorSummary:
     ToonkitError
         If the masks differ.
     """
+    from skimage.color import deltaE_ciede2000, rgb2lab  # noqa: PLC0415 - a tenth of a second, which nothing else need wait
+
     _same_object(image, reference)
     mask = image.mask
     ours, theirs = (rgb2lab(picture.color[mask][None])[0] for picture in (image, reference))

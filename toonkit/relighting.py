@@ -74,50 +74,48 @@ def _paint(  # type: ignore[no-untyped-def]
     mask, normals, painted, light, new_light, colors, low, high, keep_detail, color, first, last
 ):
     """Paint the rows from first to last; NaN where there is no object."""
-    steps = colors.shape[0] - 1
-    scale = steps / (high - low)
-    before, after = np.empty(3), np.empty(3)
+    lx, ly, lz = light
+    x, y, z = new_light
     for row in range(first, last):
         for column in range(mask.shape[1]):
             if not mask[row, column]:
-                for c in range(3):
-                    color[row, column, c] = np.nan
+                color[row, column, 0] = color[row, column, 1] = color[row, column, 2] = np.nan
                 continue
-            was, now = 0.0, 0.0
-            for c in range(3):
-                was += normals[row, column, c] * light[c]
-                now += normals[row, column, c] * new_light[c]
-            _mapped(colors, steps, scale, low, high, now, after)
+            n0, n1, n2 = normals[row, column, 0], normals[row, column, 1], normals[row, column, 2]
+            now = x * n0 + y * n1 + z * n2
+            red, green, blue = _mapped(colors, low, high, now)
             if keep_detail:
-                _mapped(colors, steps, scale, low, high, was, before)
-                size = 0.0
-                for c in range(3):
-                    before[c] = painted[row, column, c] - before[c]
-                    size += before[c] * before[c]
-                if size > 0.0:
-                    kept = detail_weight(now - was, size)
-                    for c in range(3):
-                        after[c] = min(max(after[c] + kept * before[c], 0.0), 1.0)
-            for c in range(3):
-                color[row, column, c] = after[c]
+                was = lx * n0 + ly * n1 + lz * n2
+                was_red, was_green, was_blue = _mapped(colors, low, high, was)
+                more_red = painted[row, column, 0] - was_red
+                more_green = painted[row, column, 1] - was_green
+                more_blue = painted[row, column, 2] - was_blue
+                kept = detail_weight(now - was, more_red**2 + more_green**2 + more_blue**2)
+                if kept > 0.0:
+                    red = min(max(red + kept * more_red, 0.0), 1.0)
+                    green = min(max(green + kept * more_green, 0.0), 1.0)
+                    blue = min(max(blue + kept * more_blue, 0.0), 1.0)
+            color[row, column, 0], color[row, column, 1], color[row, column, 2] = red, green, blue
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def detail_weight(change: float, squared_size: float) -> float:
     """Return how much of a detail of |d|² stays, 0 to 1, where the illumination changes by `change`."""
     turn = change * (1.0 + squared_size / DETAIL_SIZE**2) / DETAIL_RANGE
-    return np.exp(-turn * turn) if turn * turn < LOST else 0.0
+    return np.exp(np.float32(-turn * turn)) if turn * turn < LOST else 0.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _mapped(colors, steps, scale, low, high, illumination, out):  # type: ignore[no-untyped-def]
-    """Write the color of an illumination, linear between samples, to `out`; as `ColorMap` does."""
+def _mapped(colors, low, high, illumination):  # type: ignore[no-untyped-def]
+    """Return the color of an illumination, linear between samples; as `ColorMap` does."""
+    steps = colors.shape[0] - 1
     if steps == 0:
-        for c in range(3):
-            out[c] = colors[0, c]
-        return
-    position = (min(max(illumination, low), high) - low) * scale
+        return colors[0, 0], colors[0, 1], colors[0, 2]
+    position = (min(max(illumination, low), high) - low) * (steps / (high - low))
     start = min(int(position), steps - 1)
-    weight = position - start
-    for c in range(3):
-        out[c] = (1.0 - weight) * colors[start, c] + weight * colors[start + 1, c]
+    share = position - start
+    return (
+        (1.0 - share) * colors[start, 0] + share * colors[start + 1, 0],
+        (1.0 - share) * colors[start, 1] + share * colors[start + 1, 1],
+        (1.0 - share) * colors[start, 2] + share * colors[start + 1, 2],
+    )

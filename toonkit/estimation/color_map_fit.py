@@ -11,6 +11,7 @@ from toonkit.estimation.reading import reading
 from toonkit.model.color_map import HALF_STEP, ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.luminance import linear_to_srgb
+from toonkit.numerics.bands import run_in_pieces
 
 SAMPLES = 1024
 """Samples of a fitted map: a hard step between two bands is blurred over 1/500 of illumination at most."""
@@ -115,5 +116,19 @@ def rank_matched(tones: PaintedTones, illumination: FloatArray) -> ColorMap:
 
 def allowed_interval(tones: PaintedTones, color_map: ColorMap) -> IlluminationInterval:
     """Range of illumination (P,) that each of a drawing's pixels allows; see `illumination_interval`."""
-    tolerance = max(HALF_STEP, tones.noise)
-    return color_map.allowed(tones.darkest - tolerance, tones.brightest + tolerance)
+    lower, upper = np.empty((2, len(tones.tone)))
+    run_in_pieces(_allow, len(lower), tones, color_map, max(HALF_STEP, tones.noise), lower, upper)
+    return IlluminationInterval(lower, upper)
+
+
+def _allow(
+    tones: PaintedTones,
+    color_map: ColorMap,
+    tolerance: float,
+    lower: FloatArray,
+    upper: FloatArray,
+    piece: slice,
+) -> None:
+    """Write the bounds of some pixels."""
+    allowed = color_map.allowed(tones.darkest[piece] - tolerance, tones.brightest[piece] + tolerance)
+    lower[piece], upper[piece] = allowed.lower, allowed.upper

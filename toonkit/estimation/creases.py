@@ -6,10 +6,10 @@ import numpy as np
 from numba import njit
 
 from toonkit._validation import FloatArray
-from toonkit.numerics.masked_grid import MaskedGrid
+from toonkit.numerics.masked_grid import Links, MaskedGrid
 
 
-def crease_links(grid: MaskedGrid, normals: FloatArray, turn: float) -> FloatArray:
+def crease_links(grid: MaskedGrid, normals: FloatArray, turn: float) -> Links:
     """
     Return the stiffness of the links between neighbors: one on smooth ground, next to nothing across a crease.
 
@@ -25,10 +25,10 @@ def crease_links(grid: MaskedGrid, normals: FloatArray, turn: float) -> FloatArr
 
     Returns
     -------
-    ndarray, shape (P, 4)
+    ndarray of float32, shape (P, 4)
         1 / (1 + (change of the normals / turn)²), the same seen from both ends; zero where there is no neighbor.
     """
-    links = np.empty(grid.neighbors.shape)
+    links = np.empty(grid.neighbors.shape, np.float32)
     grid.bands.run(_stiffness, grid.neighbors, normals, grid.size / turn**2, links)
     return links
 

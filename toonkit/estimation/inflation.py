@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from toonkit._validation import FloatArray, as_coverage, as_mask
 from toonkit.estimation.silhouette import Silhouette, trace_silhouette
 from toonkit.model.normals import NormalField
+from toonkit.numerics.bands import run_in_pieces
 from toonkit.numerics.masked_grid import MaskedGrid, block_sums
 from toonkit.numerics.membrane import Membrane, solve_membrane, uniform_links
 
@@ -68,7 +69,9 @@ def inflate(mask: ArrayLike, *, alpha: ArrayLike | None = None) -> NormalField:
 def inflated_normals(grid: MaskedGrid, silhouette: Silhouette) -> NormalField:
     """Inflate an outline that has been traced; see `inflate`."""
     sideways, _ = solve_membrane(*silhouette_system(grid, silhouette), tolerance=RESIDUAL_TOLERANCE)
-    return NormalField.of_pixels(_completed(sideways), grid.mask)
+    vectors = np.empty((grid.size, 3))
+    run_in_pieces(_complete, grid.size, sideways, vectors)
+    return NormalField.of_pixels(vectors, grid.mask)
 
 
 def silhouette_system(grid: MaskedGrid, silhouette: Silhouette) -> tuple[Membrane, NDArray[np.complex128]]:
@@ -79,8 +82,8 @@ def silhouette_system(grid: MaskedGrid, silhouette: Silhouette) -> tuple[Membran
     return Membrane(grid, uniform_links(grid), ties), pull[0] + 1j * pull[1]
 
 
-def _completed(sideways: NDArray[np.complex128]) -> FloatArray:
-    """Add nz to nx + i ny, which a solver may leave a rounding error longer than one: vectors (P, 3)."""
-    flat = sideways / np.maximum(np.abs(sideways), 1.0)
-    forward = np.sqrt(np.maximum(1.0 - flat.real**2 - flat.imag**2, 0.0))
-    return np.stack([flat.real, flat.imag, forward], axis=1)
+def _complete(sideways: NDArray[np.complex128], vectors: FloatArray, piece: slice) -> None:
+    """Write vectors (P, 3): nz beside nx + i ny, which a solver may leave a rounding error longer than one."""
+    flat = sideways[piece] / np.maximum(np.abs(sideways[piece]), 1.0)
+    vectors[piece, 0], vectors[piece, 1] = flat.real, flat.imag
+    vectors[piece, 2] = np.sqrt(np.maximum(1.0 - flat.real**2 - flat.imag**2, 0.0))

@@ -99,7 +99,7 @@ def estimate_light(image: ToonImage, *, initial_normals: NormalField | None = No
     azimuth = np.rad2deg(np.arctan2(belief.light[1], belief.light[0]))
     elevation = np.rad2deg(np.arcsin(np.clip(belief.light[2], -1.0, 1.0)))
     light = light_direction(float(azimuth), float(max(elevation, LOWEST_ELEVATION)))
-    share = _explained_share(normals.vectors[image.mask] @ light, shades)
+    share = _explained_share(normals.compact @ light, shades)
     return LightEstimate(light, belief.probability_within(CLOSE) * min(share / PLAUSIBLE, 1.0))
 
 

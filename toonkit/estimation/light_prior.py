@@ -73,7 +73,7 @@ def believed_light(image: ToonImage, initial_normals: NormalField) -> LightBelie
     LightBelief
         Mean and concentration.
     """
-    overview = Overview.of(reading(image), initial_normals.vectors[image.mask])
+    overview = Overview.of(reading(image), initial_normals.compact)
     square = WorkingSquare.around(overview.grid, np.array([1.0, 0.0]))
     mask, tones, initial = overview.seen_from(square)
     if not mask.any():  # a line thinner than the square's pixels

@@ -10,7 +10,7 @@ from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.convolution import Array
 from toonkit.estimation.reading import Reading
 from toonkit.estimation.working_square import WorkingSquare
-from toonkit.numerics.masked_grid import OUTSIDE, Coarsening, MaskedGrid
+from toonkit.numerics.masked_grid import OUTSIDE, Coarsening, IndexArray, MaskedGrid
 
 LONGEST = 320
 """Pixels of the object's longer side at most: three or less to a pixel of the working square."""
@@ -25,8 +25,10 @@ class Overview:
     ----------
     grid : MaskedGrid
         The blocks of which the object covers at least half.
-    factor : int
-        Pixels to a block's side.
+    steps : list of Coarsening
+        The way to blocks of this size.
+    filled : ndarray, shape (Q',)
+        bool, which of those blocks are on the grid.
     tones : ndarray, shape (Q,)
         Plain tone at the middle of each block, or its mean if the object is not there.
     initial : ndarray, shape (Q, 3)
@@ -34,7 +36,8 @@ class Overview:
     """
 
     grid: MaskedGrid
-    factor: int
+    steps: list[Coarsening]
+    filled: BoolArray
     tones: FloatArray
     initial: FloatArray
 
@@ -44,30 +47,32 @@ class Overview:
         steps = _halvings(read.grid)
         factor = 2 ** len(steps)
         grid = steps[-1].coarse if steps else read.grid
-        tones = _block_means(steps, read.tones.plain)
+        area = _block_sums(steps, np.ones(read.grid.size))
+        tones = _block_sums(steps, read.tones.plain) / area
         height, width = read.grid.mask.shape
         down, right = factor * grid.rows + factor // 2, factor * grid.columns + factor // 2
         middle = read.grid.index[np.minimum(down, height - 1), np.minimum(right, width - 1)]
         tones[middle != OUTSIDE] = read.tones.plain[middle[middle != OUTSIDE]]
-        vectors = np.stack([_block_means(steps, part) for part in initial.T], axis=1)
-        vectors /= np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-9)
-        area = np.ones(read.grid.size)
-        for step in steps:
-            area = step.sums(area)
         filled = 2 * area >= factor**2
         if not filled.any():  # nothing but lines
             filled = np.ones_like(filled)
         mask = np.zeros_like(grid.mask)
         mask[grid.rows[filled], grid.columns[filled]] = True
-        return cls(MaskedGrid(mask), factor, tones[filled], vectors[filled])
+        return cls(MaskedGrid(mask), steps, filled, tones[filled], _directions(steps, initial)[filled])
+
+    @property
+    def factor(self) -> int:
+        """Pixels to a block's side."""
+        return 1 << len(self.steps)
 
     def seen_from(self, square: WorkingSquare) -> tuple[BoolArray, Array, Array]:
         """Mask, tones and N0 on a square of the overview; zero beside the object."""
         blocks = square.sampled_pixels(self.grid)
-        mask = blocks != OUTSIDE
-        tones, vectors = np.zeros(mask.shape, np.float32), np.zeros((*mask.shape, 3), np.float32)
-        tones[mask], vectors[mask] = self.tones[blocks[mask]], self.initial[blocks[mask]]
-        return mask, tones, vectors
+        return blocks != OUTSIDE, _sampled(self.tones, blocks), _sampled(self.initial, blocks)
+
+    def normals_from(self, square: WorkingSquare, normals: FloatArray) -> Array:
+        """Other normals (P, 3) of the drawing on a square of the overview; zero beside the object."""
+        return _sampled(_directions(self.steps, normals)[self.filled], square.sampled_pixels(self.grid))
 
 
 def _halvings(grid: MaskedGrid) -> list[Coarsening]:
@@ -78,9 +83,22 @@ def _halvings(grid: MaskedGrid) -> list[Coarsening]:
     return steps
 
 
-def _block_means(steps: list[Coarsening], values: FloatArray) -> FloatArray:
-    weight = np.ones(len(values))
-    total = values.copy()
+def _block_sums(steps: list[Coarsening], values: FloatArray) -> FloatArray:
     for step in steps:
-        total, weight = step.sums(total), step.sums(weight)
-    return total / weight
+        values = step.sums(values)
+    return values
+
+
+def _directions(steps: list[Coarsening], vectors: FloatArray) -> FloatArray:
+    """Mean direction of the vectors in each block."""
+    total = _block_sums(steps, vectors)
+    length: FloatArray = np.linalg.norm(total, axis=1, keepdims=True)
+    return total / np.maximum(length, 1e-9)
+
+
+def _sampled(values: FloatArray, blocks: IndexArray) -> Array:
+    """Values (Q, ...) of blocks (S, S); zero where there is none."""
+    there = blocks != OUTSIDE
+    sampled = np.zeros((*blocks.shape, *values.shape[1:]), np.float32)
+    sampled[there] = values[blocks[there]]
+    return sampled

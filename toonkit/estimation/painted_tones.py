@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.model.luminance import REC709, linear_to_srgb, srgb_to_linear
+from toonkit.numerics.bands import run_in_bands, run_in_pieces
 from toonkit.numerics.masked_grid import MaskedGrid
 
 FLAT = 2.5 / 255
@@ -59,14 +60,16 @@ class PaintedTones:
     @classmethod
     def of(cls, colors: FloatArray, grid: MaskedGrid) -> PaintedTones:
         """Read the colors (P, 3), sRGB in [0, 1], of a grid's pixels."""
-        light = srgb_to_linear(colors)
-        tone = linear_to_srgb(light @ REC709)
+        light, tone = np.empty(colors.shape), np.empty(len(colors))
+        run_in_pieces(_decode, len(colors), colors, light, tone)
         rows, columns = grid.rows - grid.rows.min(), grid.columns - grid.columns.min()
         reach = MIXING_REACH
         framed = np.full((rows.max() + 1 + 2 * reach, columns.max() + 1 + 2 * reach), np.nan)
         place = (rows + reach) * framed.shape[1] + columns + reach
         framed.ravel()[place] = tone
-        flat = _is_flat(framed).ravel()[place]
+        level = np.zeros(framed.shape, np.bool_)
+        run_in_bands(_find_flat, framed, level)
+        flat = level.ravel()[place]
         doubtful = np.flatnonzero(~flat)
         darker, brighter = _extremes(framed, place, flat, doubtful)
         own = tone[doubtful]
@@ -96,6 +99,18 @@ class PaintedTones:
         total = np.zeros((len(order) + 1, 3))
         np.cumsum(self.light[stand_in[order]], axis=0, out=total[1:])
         return total
+
+
+def _decode(colors: FloatArray, light: FloatArray, tone: FloatArray, piece: slice) -> None:
+    """Write the light and the tones of colors."""
+    light[piece] = srgb_to_linear(colors[piece])
+    tone[piece] = linear_to_srgb(light[piece] @ REC709)
+
+
+def _find_flat(framed: FloatArray, flat: BoolArray, first: int, last: int) -> None:
+    """Mark the pixels of some rows that belong to a band."""
+    above = min(first, 1)
+    flat[first:last] = _is_flat(framed[first - above : last + 1])[above : above + last - first]
 
 
 def _is_flat(framed: FloatArray) -> BoolArray:

@@ -36,8 +36,8 @@ MARGIN_SHARE = 0.25
 MARGIN_PER_EXCESS = 2.0
 """Largest margin, as a multiple of the root mean square by which the start misses its intervals."""
 
-NEGLIGIBLE = 1e-6
-"""Square of an illumination that nobody sees, a quarter of an 8-bit picture's step: a cycle that gains less is the last."""
+NEGLIGIBLE = 4e-6
+"""Square of an illumination that nobody sees, half an 8-bit picture's step: a cycle that gains less is the last."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,8 @@ class RefinementOptions:
     rim_hold : float
         How firmly the silhouette's normals hold, 0 (free) to 1 (as firmly as neighbors hold each other).
     tolerance : float
-        Relative decrease of the energy in one cycle of the solver at which it stops: about what is then left to gain.
+        Relative decrease of the energy in one cycle of the solver at which it stops: all others together would gain less
+        than half of that.
     """
 
     margin: float = 0.05
@@ -73,7 +74,7 @@ class RefinementOptions:
     integrability_length: float = 0.01
     crease_turn: float = 10.0
     rim_hold: float = 1.0
-    tolerance: float = 0.01
+    tolerance: float = 0.04
 
     def __post_init__(self) -> None:
         for name in ("margin", "change_length", "integrability_length", "rim_hold"):
@@ -179,11 +180,29 @@ def refine_traced(
 ) -> Refinement:
     """Refine normals of an object whose outline has been traced, and whose intervals are known; see `refine`."""
     options = RefinementOptions() if options is None else options
-    start = initial_normals.vectors[grid.mask]
+    field, report = solve_unit_field(
+        stated(silhouette, initial_normals, shading, grid, options),
+        guess=None if guess is None else guess.compact,
+        tolerance=options.tolerance,
+        negligible=NEGLIGIBLE,
+        progress=progress,
+    )
+    return Refinement(NormalField.of_pixels(field, grid.mask), report)
+
+
+def stated(
+    silhouette: Silhouette,
+    initial_normals: NormalField,
+    shading: ShadingTerm,
+    grid: MaskedGrid,
+    options: RefinementOptions,
+) -> UnitFieldProblem:
+    """State the problem that a refinement solves: `ChangeEnergy`, in lengths of the object."""
+    start = initial_normals.compact
     shading = _with_margin(shading, start, options.margin)
     size = float(np.sqrt(grid.size))
     rim = block_sums(silhouette.pixels, 1.0 / silhouette.distances, grid.size)
-    problem = UnitFieldProblem(
+    return UnitFieldProblem(
         grid=grid,
         start=start,
         direction=shading.light,
@@ -195,14 +214,6 @@ def refine_traced(
         change_weight=(options.change_length * size) ** 2,
         integrability_weight=(options.integrability_length * size) ** 2,
     )
-    field, report = solve_unit_field(
-        problem,
-        guess=None if guess is None else guess.vectors[grid.mask],
-        tolerance=options.tolerance,
-        negligible=NEGLIGIBLE,
-        progress=progress,
-    )
-    return Refinement(NormalField.of_pixels(field, grid.mask), report)
 
 
 def refine_as_printed(
@@ -254,7 +265,7 @@ def refine_as_printed(
     energy = PrintedEnergy(grid, shading, rho, smoothness)
     field, report = over_relaxed_sweeps(
         grid,
-        initial_normals.vectors[grid.mask],
+        initial_normals.compact,
         shading.light,
         shading.lower,
         shading.upper,

@@ -9,6 +9,7 @@ trained by `python -m toonkit.training` on shapes and color maps of its own; `we
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from toonkit.estimation.weights import read_weights
 from toonkit.estimation.working_square import SIZE, WorkingSquare
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
+from toonkit.numerics.bands import run_each
 from toonkit.numerics.unit_field import moved
 
 LOOKS = (((1.0, False),), ((1.03, True), (1.06, False)))
@@ -50,6 +52,7 @@ def correct_shape(
     initial_normals: NormalField,
     *,
     looks: int = len(LOOKS),
+    guess: NormalField | None = None,
 ) -> NormalField:
     """
     Correct initial normals by what the network has learned of shapes.
@@ -64,6 +67,8 @@ def correct_shape(
         N0.
     looks : int, optional
         Looks that the network takes.
+    guess : NormalField, optional
+        Normals near the answer, such as those of the same picture under a light nearby: they stand for the first look's.
 
     Returns
     -------
@@ -71,19 +76,22 @@ def correct_shape(
         Corrected normals on the same mask.
     """
     read = reading(image)
-    initial = initial_normals.vectors[image.mask]
+    initial = initial_normals.compact
     overview = Overview.of(read, initial)
     square = WorkingSquare.around(overview.grid, light[:2])
-    change = np.zeros((FINER * SIZE, FINER * SIZE, 3))
-    for look in LOOKS[:looks]:
-        answers = []
-        for factor, mirrored in look:
-            view = _View.of(overview, light, square.widened(factor))
-            seen = view.answered(_resampled(change, 1.0 / factor, SIZE), mirrored=mirrored)
-            answers.append(_resampled(seen, factor, FINER * SIZE))
-        change = np.mean(answers, axis=0)
-    need = _View.of(overview, light, square).need()
-    spread = square.enlarged(overview.factor).spread(square.turned_back(need * change), read.grid)
+    head_on = _View.of(overview, light, square)
+    change = np.zeros_like(head_on.initial)
+    if guess is not None:
+        change = head_on.change_to(square.turned(overview.normals_from(square, guess.compact)))
+
+    def answered(factor: float, mirrored: bool) -> FloatArray:
+        view = _View.of(overview, light, square.widened(factor))
+        seen = view.answered(_resampled(change, 1.0 / factor, SIZE), mirrored=mirrored)
+        return _resampled(seen, factor, FINER * SIZE)
+
+    for look in LOOKS[:looks] if guess is None else LOOKS[1:looks]:
+        change = np.mean(run_each([partial(answered, *asked) for asked in look]), axis=0)
+    spread = square.enlarged(overview.factor).spread(square.turned_back(head_on.need() * change), read.grid)
     return NormalField.of_pixels(moved(read.grid, initial, spread), image.mask)
 
 
@@ -106,15 +114,17 @@ def misfit(image: ToonImage, lights: FloatArray, initial_normals: NormalField) -
         On normals corrected at one look, the mean square by which the illumination misses the intervals that rank matching
         gives the colors, relative to the illumination's variance; 1 if there is nothing to be seen.
     """
-    overview = Overview.of(reading(image), initial_normals.vectors[image.mask])
-    values = np.ones(len(lights))
-    for k, light in enumerate(lights):
+    overview = Overview.of(reading(image), initial_normals.compact)
+
+    def missed(light: FloatArray) -> float:
         view = _View.of(overview, light, WorkingSquare.around(overview.grid, light[:2]))
-        if view.seen_mask.any():
-            normals = completed(view.initial + view.answered(np.zeros_like(view.initial), mirrored=False))
-            seen = view.features(normals * view.seen_mask[..., None])
-            values[k] = _missed(seen) / max(float(np.var(seen[7][view.seen_mask])), 1e-12)
-    return values
+        if not view.seen_mask.any():
+            return 1.0
+        normals = completed(view.initial + view.answered(np.zeros_like(view.initial), mirrored=False))
+        seen = view.features(normals * view.seen_mask[..., None])
+        return _missed(seen) / max(float(np.var(seen[7][view.seen_mask])), 1e-12)
+
+    return np.array(run_each([partial(missed, light) for light in lights]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +169,12 @@ class _View:
             return np.zeros_like(self.initial)
         normals = completed(self.initial + change) * self.seen_mask[..., None]
         answer = _answer(read_weights("shape_prior"), self.features(normals), mirrored=mirrored)
-        normals = completed(normals + answer)
+        return self.change_to(completed(normals + answer))
+
+    def change_to(self, normals: Array) -> Array:
+        """Return how N0 is changed by normals of the object, (SIZE, SIZE, 3); beside it as it is at the nearest pixel."""
+        if not self.seen_mask.any():
+            return np.zeros_like(self.initial)
         nearest = distance_transform_edt(~self.seen_mask, return_distances=False, return_indices=True)
         return np.asarray((normals - self.initial)[tuple(nearest)])
 

@@ -53,8 +53,8 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
         # Nothing outside the mask is a number: only what is inside is stored, row by row.
         "color": image.color[image.mask],
         "fringe": image.fringe[touched],
-        "normals": analysis.normals.vectors[image.mask],
-        "initial_normals": analysis.initial_normals.vectors[image.mask],
+        "normals": analysis.normals.compact,
+        "initial_normals": analysis.initial_normals.compact,
         "color_map_colors": analysis.color_map.colors,
         "color_map_domain": np.array(analysis.color_map.domain),
         "report_iterations": np.array(report.iterations),

@@ -19,6 +19,7 @@ from toonkit.methods.steps import StepProgress
 from toonkit.methods.todo import todo
 from toonkit.methods.toonkit import toonkit
 from toonkit.model.image import ToonImage
+from toonkit.numerics.bands import single_threaded_blas
 
 
 class Method(Protocol):
@@ -27,7 +28,11 @@ class Method(Protocol):
     def __call__(
         self, image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = None
     ) -> ToonAnalysis:
-        """Analyze `image` lit from `light`, telling `progress` the step and the fraction done."""
+        """
+        Analyze `image` lit from `light`, telling `progress` the step and the fraction done.
+
+        One that can start from an earlier analysis takes it as another keyword, `previous`.
+        """
         ...
 
 
@@ -90,12 +95,12 @@ def analyze(
     if method not in METHODS:
         raise refuse("method", f"must be one of {', '.join(METHODS)}", repr(method))
     of_type("image", image, ToonImage)
-    if light is None:
-        light = estimate_light(image).light
     estimator: Callable[..., ToonAnalysis] = METHODS[method]
     if previous is not None:
         of_type("previous", previous, ToonAnalysis)
         same_mask("previous", previous.image.mask, image.mask, "the picture")
         if "previous" in inspect.signature(estimator).parameters:
             estimator = functools.partial(estimator, previous=previous)
-    return estimator(image, light, progress=progress)
+    with single_threaded_blas():
+        direction = estimate_light(image).light if light is None else light
+        return estimator(image, direction, progress=progress)

@@ -81,7 +81,7 @@ class Inflated:
         return allowed_interval(reading(self.image).tones, self._fitted(normals))
 
     def _fitted(self, normals: NormalField) -> ColorMap:
-        lit = np.clip(normals.vectors[self.image.mask] @ self.light, -1.0, 1.0)
+        lit = np.clip(normals.compact @ self.light, -1.0, 1.0)
         return rank_matched(reading(self.image).tones, lit)
 
     def refining(self, fraction: float) -> None:

@@ -53,5 +53,6 @@ def toonkit(
     steps = inflated(image, light, progress)
     if progress is not None:
         progress("correcting the shape", INFLATED / 2)
-    corrected = correct_shape(image, steps.light, steps.initial_normals)
+    guess = None if previous is None else previous.normals
+    corrected = correct_shape(image, steps.light, steps.initial_normals, guess=guess)
     return steps.finished("toonkit", steps.refined(corrected, previous, OPTIONS))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -17,7 +16,6 @@ GreenAxis = Literal["opengl", "directx"]
 """Which way green points in a normal map: up (OpenGL, Unity, Blender) or down (DirectX, Unreal)."""
 
 
-@dataclass(frozen=True, eq=False)
 class NormalField:
     """
     Unit normals of the visible surface.
@@ -29,27 +27,17 @@ class NormalField:
     mask : array_like, shape (H, W)
         True on the object.
 
-    Attributes
-    ----------
-    vectors : ndarray, shape (H, W, 3)
-        float64, unit length, NaN outside the mask.
-    mask : ndarray, shape (H, W)
-        bool.
-
     Raises
     ------
     ToonkitError
         If the shapes differ, or a vector on the object is not finite, not of unit length or faces away.
     """
 
-    vectors: FloatArray
-    mask: BoolArray
-
-    def __post_init__(self) -> None:
-        vectors = as_array("vectors", self.vectors, (None, None, 3))
-        mask = as_mask("mask", self.mask)
-        same_shape("mask", mask.shape, vectors.shape[:2], "vectors")
-        inside = vectors[mask]
+    def __init__(self, vectors: ArrayLike, mask: ArrayLike) -> None:
+        given = as_array("vectors", vectors, (None, None, 3))
+        self._mask = as_mask("mask", mask)
+        same_shape("mask", self._mask.shape, given.shape[:2], "vectors")
+        inside = given[self._mask]
         if not np.isfinite(inside).all():
             raise refuse("vectors", "must be finite on the object", "NaN or infinite components")
         length = np.linalg.norm(inside, axis=1)
@@ -60,23 +48,37 @@ class NormalField:
         if lowest < -UNIT_TOLERANCE:
             raise refuse("vectors", "must face the viewer (z >= 0) on the object", f"z = {lowest:.6g}")
         inside[:, 2] = np.maximum(inside[:, 2], 0.0)
-        vectors = np.full_like(vectors, np.nan)
         length = np.linalg.norm(inside, axis=1, keepdims=True)
         # Unit vectors up to rounding stay as they are, so that a field made of a field's vectors is equal to it.
         rounded = np.abs(length - 1) <= 4 * np.finfo(np.float64).eps
-        vectors[mask] = inside / np.where(rounded, 1.0, length)
-        object.__setattr__(self, "vectors", vectors)
-        object.__setattr__(self, "mask", mask)
+        self._compact = inside / np.where(rounded, 1.0, length)
+        self._vectors: FloatArray | None = None
 
     @classmethod
     def of_pixels(cls, vectors: FloatArray, mask: BoolArray) -> NormalField:
         """Make a field of the unit vectors (P, 3), z >= 0, of a mask's pixels in row-major order; nothing is checked."""
         field = object.__new__(cls)
-        scattered = np.full((*mask.shape, 3), np.nan)
-        scattered[mask] = vectors
-        object.__setattr__(field, "vectors", scattered)
-        object.__setattr__(field, "mask", mask)
+        field._mask, field._compact, field._vectors = mask, vectors, None
         return field
+
+    @property
+    def mask(self) -> BoolArray:
+        """True on the object: bool, shape (H, W)."""
+        return self._mask
+
+    @property
+    def compact(self) -> FloatArray:
+        """The vectors of the object's pixels in row-major order: float64, shape (P, 3)."""
+        return self._compact
+
+    @property
+    def vectors(self) -> FloatArray:
+        """The vectors as an image: float64, shape (H, W, 3), NaN outside the mask. Made when it is first asked for."""
+        if self._vectors is None:
+            vectors = np.full((*self._mask.shape, 3), np.nan)
+            vectors[self._mask] = self._compact
+            self._vectors = vectors
+        return self._vectors
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
+from threading import Lock
 from typing import Any
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from threadpoolctl import ThreadpoolController
 
 BAND = 6_000
 """Pixels of a band at least: fewer are done before another thread has started."""
+
+PIECE = 16_384
+"""Numbers in a piece: few enough for a core's own cache, so that what is computed on the way is never new memory."""
 
 MOST = 16
 """Bands at most. Their number depends on the grid alone, never on the machine: so do the results."""
@@ -104,17 +110,74 @@ def run_in_bands(loop: Callable[..., Any], *arguments: Any) -> None:
     _on_all_cores(loop, arguments, tuple(pairwise(cuts)))
 
 
+def run_in_pieces(loop: Callable[..., Any], size: int, *arguments: Any) -> list[Any]:
+    """
+    Call `loop(*arguments, piece)` for slices that make up `size` numbers; return what they return, in order.
+
+    For arithmetic on whole arrays, which is done faster piece by piece.
+    """
+    pieces = tuple((slice(first, min(first + PIECE, size)),) for first in range(0, size, PIECE))
+    return _on_all_cores(loop, arguments, pieces)
+
+
+def run_each(works: Sequence[Callable[[], Any]]) -> list[Any]:
+    """Call each of some functions; return what they return, in order."""
+    with single_threaded_blas():
+        return _on_all_cores(_call, (), tuple((work,) for work in works))
+
+
+def _call(work: Callable[[], Any]) -> Any:
+    return work()
+
+
+@contextmanager
+def single_threaded_blas() -> Iterator[None]:
+    """Keep BLAS to the core that calls it: threads of its own go on spinning on the others long after they are done."""
+    with _BLAS.lock:
+        if _BLAS.users == 0:
+            _BLAS.limit = _libraries().limit(limits=1, user_api="blas")
+        _BLAS.users += 1
+    try:
+        yield
+    finally:
+        with _BLAS.lock:
+            _BLAS.users -= 1
+            if _BLAS.users == 0:
+                _BLAS.limit.restore_original_limits()
+
+
+class _Blas:
+    """Who keeps it to one thread, and how to set it free."""
+
+    def __init__(self) -> None:
+        self.lock, self.users = Lock(), 0
+        self.limit: Any = None
+
+
+_BLAS = _Blas()
+
+
+@cache
+def _libraries() -> ThreadpoolController:
+    return ThreadpoolController()
+
+
 def _on_all_cores(
-    loop: Callable[..., Any], arguments: tuple[Any, ...], spans: tuple[tuple[int, int], ...]
+    loop: Callable[..., Any], arguments: tuple[Any, ...], spans: tuple[tuple[Any, ...], ...]
 ) -> list[Any]:
-    cores = min(_cores(), len(spans))
+    results: list[Any] = [None] * len(spans)
+    waiting = iter(range(len(spans)))
 
-    def work(first: int) -> list[Any]:
-        return [loop(*arguments, *span) for span in spans[first::cores]]
+    def work() -> None:
+        for k in waiting:
+            results[k] = loop(*arguments, *spans[k])
 
-    helping = [_helpers().submit(work, k) for k in range(1, cores)]
-    parts = [work(0), *(helper.result() for helper in helping)]
-    return [parts[k % cores][k // cores] for k in range(len(spans))]
+    helping = [_helpers().submit(work) for _ in range(min(_cores(), len(spans)) - 1)]
+    work()
+    for helper in helping:
+        if not helper.cancel():  # one that has not begun finds nothing left to do
+            helper.result()
+    return results
 
 
 def _cores() -> int:

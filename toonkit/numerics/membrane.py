@@ -15,8 +15,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
-from toonkit.numerics.bands import inner
-from toonkit.numerics.masked_grid import OUTSIDE, Coarsening, MaskedGrid
+from toonkit.numerics.bands import inner, run_in_pieces
+from toonkit.numerics.masked_grid import OUTSIDE, Coarsening, Links, MaskedGrid
 from toonkit.numerics.report import SolverReport
 
 COARSEST_SIZE = 32
@@ -40,14 +40,14 @@ class Membrane:
     ----------
     grid : MaskedGrid
         The pixels.
-    links : ndarray, shape (P, 4)
+    links : ndarray of float32, shape (P, 4)
         Weight of the link to each neighbor >= 0, the same seen from both ends; 0 where there is none.
     ties : ndarray, shape (P,)
         Weight d >= 0 that ties each pixel to a given value.
     """
 
     grid: MaskedGrid
-    links: FloatArray
+    links: Links
     ties: FloatArray
 
     def apply(self, field: Field) -> Field:
@@ -77,9 +77,9 @@ class Membrane:
         return sums
 
 
-def uniform_links(grid: MaskedGrid) -> FloatArray:
+def uniform_links(grid: MaskedGrid) -> Links:
     """Weight 1 for every pair of neighbors on the grid, shape (P, 4)."""
-    links: FloatArray = (grid.neighbors != OUTSIDE).astype(np.float64)
+    links: Links = (grid.neighbors != OUTSIDE).astype(np.float32)
     return links
 
 
@@ -136,14 +136,12 @@ def solve_membrane(
         improved = _v_cycle(levels, 0, residual, linear=iteration < LINEAR)
         slope = inner(residual, improved)
         afresh = iteration in (0, LINEAR)
-        direction *= 0.0 if afresh else max((slope - inner(before, improved)) / previous, 0.0)
-        direction += improved
+        share = 0.0 if afresh else max((slope - inner(before, improved)) / previous, 0.0)
+        run_in_pieces(_turn, len(field), direction, improved, share)
         image = membrane.apply(direction)
         curvature = inner(direction, image)
         step = inner(residual, direction) / curvature if curvature > 0 else 0.0
-        before[:] = residual
-        field += step * direction
-        residual -= step * image
+        run_in_pieces(_advance, len(field), field, residual, direction, image, before, step)
         previous = slope if slope > 0 else 1.0
         energies.append(_energy(field, right_side, residual))
     return field, SolverReport(
@@ -153,7 +151,22 @@ def solve_membrane(
 
 def _energy(field: Field, right_side: Field, residual: Field) -> float:
     # 1/2 x·Ax - b·x with Ax = b - r
-    return -0.5 * inner(field, right_side + residual)
+    return -0.5 * (inner(field, right_side) + inner(field, residual))
+
+
+def _turn(direction: Field, improved: Field, share: float, piece: slice) -> None:
+    """Let a direction follow an improvement, and a share of what it was."""
+    direction[piece] *= share
+    direction[piece] += improved[piece]
+
+
+def _advance(
+    field: Field, residual: Field, direction: Field, image: Field, before: Field, step: float, piece: slice
+) -> None:
+    """Go a step along a direction, whose image is known; keep the residual of before."""
+    before[piece] = residual[piece]
+    field[piece] += step * direction[piece]
+    residual[piece] -= step * image[piece]
 
 
 def _levels(membrane: Membrane) -> list[Membrane]:
@@ -187,7 +200,10 @@ def _v_cycle(levels: list[Membrane], depth: int, right_side: Field, *, linear: b
     membrane.relax(right_side, field, backward=False)
     correction = _v_cycle(levels, depth + 1, membrane.block_residuals(right_side, field), linear=linear)
     step = membrane.grid.coarsening
-    field += _interpolated(step, correction) if linear else correction[step.parent]
+    if linear:
+        step.interpolated(_parts(correction), _parts(field), adding=True)
+    else:
+        field += correction[step.parent]
     membrane.relax(right_side, field, backward=True)
     return field
 
@@ -199,8 +215,7 @@ def _interpolated(step: Coarsening, field: Field) -> Field:
 
 
 def _block_sums(step: Coarsening, field: Field) -> Field:
-    sums = [step.sums(part) for part in _parts(field).T]
-    return np.stack(sums, axis=1).view(field.dtype)[:, 0]
+    return step.sums(_parts(field)).view(field.dtype)[:, 0]
 
 
 def _parts(field: Field) -> FloatArray:

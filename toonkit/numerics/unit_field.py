@@ -18,9 +18,16 @@ import numpy as np
 
 from toonkit._validation import FloatArray
 from toonkit.numerics.bands import inner
-from toonkit.numerics.masked_grid import Coarsening, MaskedGrid
+from toonkit.numerics.masked_grid import Coarsening, Links, MaskedGrid
 from toonkit.numerics.report import SolverReport
-from toonkit.numerics.unit_field_kernels import finish_blocks, gather_blocks, relax, retract, slope
+from toonkit.numerics.unit_field_kernels import (
+    finish_blocks,
+    gather_blocks,
+    gather_problem,
+    relax,
+    retract,
+    slope,
+)
 
 COARSEST_SIZE = 1000
 """Pixels of the coarsest grid at most: on still coarser ones one vector stands for too much of an object's curvature."""
@@ -58,7 +65,7 @@ class UnitFieldProblem:
         Interval of L · n.
     weight : ndarray, shape (P,)
         Weight w of the interval penalty.
-    links : ndarray, shape (P, 4)
+    links : ndarray of float32, shape (P, 4)
         Stiffness k of the link to each neighbor, the same seen from both ends.
     ties : ndarray, shape (P,)
         Stiffness t that holds a pixel to n0.
@@ -72,24 +79,28 @@ class UnitFieldProblem:
     lower: FloatArray
     upper: FloatArray
     weight: FloatArray
-    links: FloatArray
+    links: Links
     ties: FloatArray
     change_weight: float
     integrability_weight: float
 
     def coarsened(self, step: Coarsening) -> UnitFieldProblem:
         """Return the same problem on 2 x 2 blocks: of intervals and vectors the means, of links what is as stiff."""
-        weight = step.sums(self.weight)
-        start = np.stack([step.sums(self.weight * part) for part in self.start.T], axis=1)
+        start = np.zeros((step.coarse.size, 3))
+        weight, lower, upper, ties = np.zeros((4, step.coarse.size))
+        self.grid.bands.run(
+            gather_problem, step.parent, self.start, self.weight, self.lower, self.upper, self.ties,
+            start, weight, lower, upper, ties,
+        )  # fmt: skip
         return replace(
             self,
             grid=step.coarse,
             start=moved(step.coarse, start, start),
-            lower=step.sums(self.weight * self.lower) / weight,
-            upper=step.sums(self.weight * self.upper) / weight,
+            lower=lower / weight,
+            upper=upper / weight,
             weight=weight,
             links=step.links(self.links),
-            ties=step.sums(self.ties),
+            ties=ties,
         )
 
 
@@ -103,14 +114,14 @@ def solve_unit_field(
     progress: Callable[[float], None] | None = None,
 ) -> tuple[FloatArray, SolverReport]:
     """
-    Minimize from n0, from the answer of coarser grids, or from a guess: whichever has the least energy.
+    Minimize from n0, or from a guess that coarser grids have improved: whichever has the lower energy.
 
     Parameters
     ----------
     problem : UnitFieldProblem
         The problem.
     guess : ndarray, shape (P, 3), optional
-        Unit vectors near the answer, such as the answer to a problem like this one; no coarser grid is asked for another.
+        Unit vectors near the answer, such as the answer to a problem like this one; n0 by default.
     tolerance : float, optional
         Relative decrease of the energy in one cycle below which nothing is left to gain.
     negligible : float, optional
@@ -142,10 +153,8 @@ def solve_unit_field(
     tell = progress if progress is not None else _ignored
     levels = _levels(problem)
     finest = levels[0]
-    starts = [
-        problem.start,
-        _from_coarse_grids(levels) if guess is None else moved(problem.grid, guess, guess),
-    ]
+    near = problem.start if guess is None else moved(problem.grid, guess, guess)
+    starts = [problem.start, _from_coarse_grids(levels, near)]
     gradients = np.empty((2, *problem.start.shape))
     energies = [finest.slope(*pair) for pair in zip(starts, gradients, strict=True)]
     best = int(np.argmin(energies))
@@ -205,10 +214,16 @@ class _Descent:
         if along >= 0.0:
             return
         trial, slopes = improved, self._gradient_before
-        length = 1.0
-        for _ in range(TRIALS):
+
+        def tried(length: float) -> float:
             finest.retracted(self.field, step, length, trial)
-            energy = finest.slope(trial, slopes)
+            return finest.slope(trial, slopes)
+
+        length, best, lowest = 1.0, 0.0, self.energy
+        for _ in range(TRIALS):
+            last, energy = length, tried(length)
+            if energy < lowest:
+                best, lowest = length, energy
             now = inner(slopes, step)
             if energy < self.energy and abs(now) <= LEVEL * -along:
                 break
@@ -217,12 +232,15 @@ class _Descent:
             length = (
                 min(level, LONGEST_STEP) if energy < self.energy or level < 0.5 * length else 0.5 * length
             )
-        if energy < self.energy:
-            self._gradient_before, self.gradient = self.gradient, slopes
-            if step is not self._step:
-                self._step = step.copy()
-            self._slope_before = first
-            self.field, self._trial, self.energy = trial, self.field, energy
+        if best == 0.0:
+            return
+        if last != best:
+            tried(best)
+        self._gradient_before, self.gradient = self.gradient, slopes
+        if step is not self._step:
+            self._step = step.copy()
+        self._slope_before = first
+        self.field, self._trial, self.energy = trial, self.field, lowest
 
 
 @dataclass(frozen=True, eq=False)
@@ -307,17 +325,20 @@ def _levels(problem: UnitFieldProblem) -> list[_Level]:
     return [*levels, _Level(problem, None)]
 
 
-def _from_coarse_grids(levels: list[_Level]) -> FloatArray:
-    """Nested iteration: a cycle on each coarser grid, starting from the change that the next coarser one found."""
-    field = levels[-1].problem.start.copy()
+def _from_coarse_grids(levels: list[_Level], guess: FloatArray) -> FloatArray:
+    """Nested iteration: a cycle on each coarser grid, whose change of the guess the next finer one starts with."""
+    guesses = [guess]
+    for level in levels[:-1]:
+        assert level.step is not None
+        sums = level.step.sums(guesses[-1])
+        guesses.append(moved(level.step.coarse, sums, sums))
+    field = guesses[-1].copy()
     for depth in reversed(range(1, len(levels))):
-        level = levels[depth]
+        level, finer = levels[depth], levels[depth - 1]
         _cycle(levels, depth, level.data, _NO_SOURCE, field)
-        finer = levels[depth - 1]
         assert finer.step is not None
-        start = finer.problem.start
-        change = finer.step.interpolated(field - level.problem.start, np.empty_like(start))
-        field = finer.retracted(start, change, 1.0, change)
+        change = finer.step.interpolated(field - guesses[depth], np.empty_like(guesses[depth - 1]))
+        field = finer.retracted(guesses[depth - 1], change, 1.0, change)
     return field
 
 
