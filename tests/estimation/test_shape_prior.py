@@ -220,6 +220,28 @@ def test_at_the_second_look_the_network_sees_its_first_answer(monkeypatch: pytes
         assert np.abs(seen[1:4] - seen[4:7]).max() > 0.1
 
 
+def test_a_guess_stands_for_the_first_looks_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    looks = []
+
+    def field(weights: object, seen: np.ndarray) -> np.ndarray:
+        looks.append(seen.copy())
+        return np.zeros((3, SIZE, SIZE), np.float32)
+
+    monkeypatch.setattr(shape_prior, "read_weights", lambda name: {})
+    monkeypatch.setattr(shape_prior, "field", field)
+    shape = cut_ellipse(60, 41)
+    initial = inflate(shape.mask)
+    leaning = NormalField.of_pixels(completed(initial.compact + 0.3 * light_direction(30, 0)), shape.mask)
+    corrected = correct_shape(painted(shape.normals, SOFT), LIGHT, initial, guess=leaning)
+    assert len(looks) == len(LOOKS[1])
+    for seen in looks:
+        on_object = seen[0] == 1
+        apart = np.abs(seen[1:4, on_object] - seen[4:7, on_object])
+        assert apart.mean() > 0.05  # what is seen are not the initial normals
+    # A network that changes nothing leaves the guess as it is, but for its detail.
+    assert angular_error(corrected, leaning).mean < 0.2 * angular_error(initial, leaning).mean
+
+
 def test_of_two_views_one_is_mirrored_and_all_are_different() -> None:
     views = [view for look in LOOKS for view in look]
     assert len({width for width, _ in views}) == len(views)

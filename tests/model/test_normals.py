@@ -43,6 +43,14 @@ def test_a_field_made_of_a_fields_vectors_equals_it_to_the_last_bit(field):
     assert np.array_equal(NormalField(field.vectors, field.mask).vectors, field.vectors, equal_nan=True)
 
 
+@given(fields())
+def test_the_image_of_vectors_holds_the_compact_ones_in_row_major_order(field):
+    again = NormalField.of_pixels(field.compact, field.mask)
+    assert np.array_equal(again.vectors, field.vectors, equal_nan=True)
+    assert np.array_equal(field.vectors[field.mask], field.compact)
+    assert again.vectors is again.vectors  # made once
+
+
 def test_rounded_unit_vectors_are_renormalized():
     field = NormalField(flat() * 1.0005, FULL)
     assert (field.vectors[..., 2] == 1).all()

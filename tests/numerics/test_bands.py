@@ -1,11 +1,14 @@
+import contextlib
+from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 
 import numpy as np
 import pytest
+import threadpoolctl
 
 from tests.analytic import blob_mask
 from toonkit.numerics import bands
-from toonkit.numerics.bands import run_in_bands
+from toonkit.numerics.bands import run_each, run_in_bands, run_in_pieces, single_threaded_blas
 from toonkit.numerics.masked_grid import OUTSIDE, MaskedGrid
 
 
@@ -82,3 +85,48 @@ def test_the_rows_of_an_array_are_all_run():
 
     run_in_bands(count, picture)
     assert (done == 1).all()
+
+
+def test_pieces_make_up_the_whole_in_order(monkeypatch):
+    monkeypatch.setattr(bands, "PIECE", 7)
+    values = np.arange(40.0)
+    doubled = np.zeros(40)
+
+    def double(values, doubled, piece):
+        doubled[piece] += 2 * values[piece]
+        return piece.start
+
+    assert run_in_pieces(double, 40, values, doubled) == list(range(0, 40, 7))
+    assert np.array_equal(doubled, 2 * values)
+    assert run_in_pieces(double, 0, values, doubled) == []
+
+
+def test_of_several_functions_the_answers_come_in_order():
+    assert run_each([lambda k=k: k**2 for k in range(9)]) == [k**2 for k in range(9)]
+
+
+def blas_threads():
+    return {pool["num_threads"] for pool in threadpoolctl.threadpool_info() if pool["user_api"] == "blas"}
+
+
+@pytest.mark.parametrize("inside", [contextlib.nullcontext, single_threaded_blas])
+def test_blas_keeps_to_one_thread_and_has_its_own_back_afterwards(inside):
+    with threadpoolctl.threadpool_limits(2, user_api="blas"), ThreadPoolExecutor(1) as pool:
+        with single_threaded_blas(), inside():
+            assert blas_threads() == {1}
+            assert pool.submit(blas_threads).result() == {1}
+        assert blas_threads() == {2}
+
+
+def test_blas_can_be_held_from_any_thread():
+    def held():
+        before = blas_threads()
+        with single_threaded_blas():
+            inside = blas_threads()
+        return before, inside, blas_threads()
+
+    with ThreadPoolExecutor(1) as pool:
+        for _ in range(2):
+            before, inside, after = pool.submit(held).result()
+            assert inside == {1}
+            assert after == before

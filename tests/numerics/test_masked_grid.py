@@ -86,6 +86,24 @@ def test_a_constant_is_interpolated_as_it_is_on_any_mask(seed):
     assert np.allclose(step.interpolated(constant, np.empty((step.fine.size, 2))), [3.0, -1.0])
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_an_interpolated_field_can_be_added(seed):
+    step = MaskedGrid(blob_mask(seed, size=40)).coarsening
+    rng = np.random.default_rng(seed)
+    coarse, before = rng.normal(size=(step.coarse.size, 2)), rng.normal(size=(step.fine.size, 2))
+    alone = step.interpolated(coarse, np.empty((step.fine.size, 2)))
+    assert np.allclose(step.interpolated(coarse, before.copy(), adding=True), before + alone)
+
+
+@pytest.mark.parametrize("columns", [(), (2,)])
+def test_values_are_summed_over_each_block(columns):
+    step = MaskedGrid(blob_mask(1, size=40)).coarsening
+    values = np.random.default_rng(0).normal(size=(step.fine.size, *columns))
+    expected = np.zeros((step.coarse.size, *columns))
+    np.add.at(expected, step.parent, values)
+    assert np.allclose(step.sums(values), expected)
+
+
 def test_links_of_one_are_links_of_one_between_blocks():
     grid = MaskedGrid(np.ones((16, 24), dtype=bool))
     links = (grid.neighbors != OUTSIDE).astype(float)

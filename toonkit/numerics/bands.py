@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
-from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -133,28 +132,8 @@ def _call(work: Callable[[], Any]) -> Any:
 @contextmanager
 def single_threaded_blas() -> Iterator[None]:
     """Keep BLAS to the core that calls it: threads of its own go on spinning on the others long after they are done."""
-    with _BLAS.lock:
-        if _BLAS.users == 0:
-            _BLAS.limit = _libraries().limit(limits=1, user_api="blas")
-        _BLAS.users += 1
-    try:
+    with _libraries().limit(limits=1, user_api="blas"):
         yield
-    finally:
-        with _BLAS.lock:
-            _BLAS.users -= 1
-            if _BLAS.users == 0:
-                _BLAS.limit.restore_original_limits()
-
-
-class _Blas:
-    """Who keeps it to one thread, and how to set it free."""
-
-    def __init__(self) -> None:
-        self.lock, self.users = Lock(), 0
-        self.limit: Any = None
-
-
-_BLAS = _Blas()
 
 
 @cache

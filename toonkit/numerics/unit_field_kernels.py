@@ -12,6 +12,27 @@ LEAST_CURVATURE = 0.3
 """Share of the pull's strength that its curvature has at least, so that a normal which looks the other way turns around."""
 
 
+@njit(inline="always")
+def _cell(field, p, beside, above, across, sx, sy):  # type: ignore[no-untyped-def]
+    """
+    Return the integrability residual of a cell, and its gradient with respect to the normal of p.
+
+    `sx` and `sy` are half of -1 where the cell lies to the right of p, and above it; half of 1 elsewhere.
+    """
+    nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
+    ux, uy, uz = field[beside, 0], field[beside, 1], field[beside, 2]
+    vx, vy, vz = field[above, 0], field[above, 1], field[above, 2]
+    wx, wy, wz = field[across, 0], field[across, 1], field[across, 2]
+    mx = 0.25 * (nx + ux + vx + wx)
+    my = 0.25 * (ny + uy + vy + wy)
+    mz = 0.25 * (nz + uz + vz + wz)
+    z_by_y = sy * (nz + uz - vz - wz)
+    z_by_x = sx * (nz + vz - uz - wz)
+    turn = sy * (nx + ux - vx - wx) - sx * (ny + vy - uy - wy)
+    residual = mz * turn - mx * z_by_y + my * z_by_x
+    return residual, sy * mz - 0.25 * z_by_y, 0.25 * z_by_x - sx * mz, 0.25 * turn - sy * mx + sx * my
+
+
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})
 def relax(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's step, compiled as a whole
     neighbors, start, light, hold, target, lower, upper, weight, links, ties, change_weight, curl_weight, source,
@@ -60,7 +81,6 @@ def relax(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's step, 
             beside = neighbors[p, side]
             if beside < 0:
                 continue
-            sx = 0.5 * (side - 1.0)  # half of -1 where the cell lies to the right
             for end in range(1, 4, 2):
                 above = neighbors[p, end]
                 if above < 0:
@@ -68,22 +88,9 @@ def relax(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's step, 
                 across = neighbors[beside, end]
                 if across < 0:
                     continue
-                sy = 0.5 * (end - 2.0)
-                ux, uy, uz = field[beside, 0], field[beside, 1], field[beside, 2]
-                vx, vy, vz = field[above, 0], field[above, 1], field[above, 2]
-                wx, wy, wz = field[across, 0], field[across, 1], field[across, 2]
-                mx = 0.25 * (nx + ux + vx + wx)
-                my = 0.25 * (ny + uy + vy + wy)
-                mz = 0.25 * (nz + uz + vz + wz)
-                x_by_y = sy * (nx + ux - vx - wx)
-                z_by_y = sy * (nz + uz - vz - wz)
-                y_by_x = sx * (ny + vy - uy - wy)
-                z_by_x = sx * (nz + vz - uz - wz)
-                turn = x_by_y - y_by_x
-                residual = mz * turn - mx * z_by_y + my * z_by_x
-                gx = sy * mz - 0.25 * z_by_y
-                gy = 0.25 * z_by_x - sx * mz
-                gz = 0.25 * turn - sy * mx + sx * my
+                residual, gx, gy, gz = _cell(
+                    field, p, beside, above, across, 0.5 * (side - 1.0), 0.5 * (end - 2.0)
+                )
                 ga = gx * ax + gy * ay + gz * az
                 gb = gx * bx + gy * by + gz * bz
                 ca += residual * ga
@@ -177,7 +184,6 @@ def slope(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's share,
             beside = neighbors[p, side]
             if beside < 0:
                 continue
-            sx = 0.5 * (side - 1.0)
             for end in range(1, 4, 2):
                 above = neighbors[p, end]
                 if above < 0:
@@ -185,22 +191,14 @@ def slope(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's share,
                 across = neighbors[beside, end]
                 if across < 0:
                     continue
-                sy = 0.5 * (end - 2.0)
-                ux, uy, uz = field[beside, 0], field[beside, 1], field[beside, 2]
-                vx, vy, vz = field[above, 0], field[above, 1], field[above, 2]
-                wx, wy, wz = field[across, 0], field[across, 1], field[across, 2]
-                mx = 0.25 * (nx + ux + vx + wx)
-                my = 0.25 * (ny + uy + vy + wy)
-                mz = 0.25 * (nz + uz + vz + wz)
-                z_by_y = sy * (nz + uz - vz - wz)
-                z_by_x = sx * (nz + vz - uz - wz)
-                turn = sy * (nx + ux - vx - wx) - sx * (ny + vy - uy - wy)
-                residual = mz * turn - mx * z_by_y + my * z_by_x
+                residual, cx, cy, cz = _cell(
+                    field, p, beside, above, across, 0.5 * (side - 1.0), 0.5 * (end - 2.0)
+                )
                 energy += 0.25 * curl_weight * residual * residual  # each cell is seen from its four corners
                 residual *= 2.0 * curl_weight
-                gx += residual * (sy * mz - 0.25 * z_by_y)
-                gy += residual * (0.25 * z_by_x - sx * mz)
-                gz += residual * (0.25 * turn - sy * mx + sx * my)
+                gx += residual * cx
+                gy += residual * cy
+                gz += residual * cz
         lit = lx * nx + ly * ny + lz * nz
         excess = lit - min(max(lit, lower[p]), upper[p])
         energy += weight[p] * excess * excess
