@@ -136,7 +136,7 @@ def inflated_within(image: ToonImage, contours: Contours) -> NormalField:
     alpha = image.mask.astype(np.float64) if image.alpha is None else image.alpha
     membrane, pull = silhouette_system(grid, trace_silhouette(grid, alpha))
     tied = contours.outward.any(axis=1)
-    links = np.where(contours.cut, LEFT, 1.0) * membrane.links
+    links = membrane.links * np.where(contours.cut, LEFT, 1.0).astype(np.float32)
     membrane = Membrane(grid, links, membrane.ties + STIFFNESS * tied)
     pull = pull + STIFFNESS * (contours.outward[:, 0] + 1j * contours.outward[:, 1])
     sideways, _ = solve_membrane(membrane, pull, tolerance=RESIDUAL_TOLERANCE)

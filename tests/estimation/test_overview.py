@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from tests.analytic import TWO_TONE, ellipse, painted
-from toonkit.estimation.overview import LONGEST, Overview
+from tests.analytic import SOFT, TWO_TONE, ellipse, painted
+from toonkit import ToonImage
+from toonkit.estimation.overview import LONGEST, Overview, _block_medians
 from toonkit.estimation.reading import reading
 from toonkit.estimation.working_square import WorkingSquare
 
@@ -48,3 +49,28 @@ def test_the_same_drawing_in_four_times_the_pixels_is_seen_alike():
     assert (mask ^ mask_2).mean() < 0.01
     assert (np.abs(tones - tones_2)[both] > 0.01).mean() < 0.03
     assert np.abs(normals - normals_2)[both].mean() < 0.02
+
+
+@pytest.mark.parametrize("factor", [2, 4])
+def test_a_block_has_the_median_tone_of_its_pixels_on_the_object(factor):
+    shape = ellipse(60, 41)
+    read = reading(painted(shape.normals, SOFT))
+    steps = read.grid.coarsenings(100)[: factor // 2]
+    coarse = steps[-1].coarse
+    parent = steps[0].parent if factor == 2 else steps[1].parent[steps[0].parent]
+    found = _block_medians(read, coarse.mask.shape, factor)
+    assert np.isnan(found[~coarse.mask]).all()
+    for block, tone in enumerate(found[coarse.mask]):
+        own = np.sort(read.tones.tone[parent == block])
+        assert tone == own[(len(own) - 1) // 2]
+
+
+def test_what_is_narrow_when_reduced_is_a_mixture_at_any_size():
+    # A transition 12 pixels wide is one and a half of a block's: a drawing of that size could not tell it from a mixture.
+    tones = np.clip((np.arange(1400) - 694) / 12, 0, 1) * 0.6 + 0.2
+    color = np.broadcast_to(tones[None, :, None], (1000, 1400, 3))
+    read = reading(ToonImage(color, np.ones((1000, 1400), bool)))
+    reduced = Overview.of(read, read.initial_normals.compact)
+    assert reduced.factor == 8
+    assert (np.abs(reduced.tones[:, None] - [0.2, 0.8]).min(axis=1) < 1e-6).all()
+    assert (np.abs(read.tones.plain[:, None] - [0.2, 0.8]).min(axis=1) > 0.01).any()

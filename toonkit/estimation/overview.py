@@ -8,8 +8,10 @@ import numpy as np
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.convolution import Array
+from toonkit.estimation.painted_tones import PaintedTones
 from toonkit.estimation.reading import Reading
 from toonkit.estimation.working_square import WorkingSquare
+from toonkit.numerics.bands import run_in_bands
 from toonkit.numerics.masked_grid import OUTSIDE, Coarsening, IndexArray, MaskedGrid
 
 LONGEST = 320
@@ -30,7 +32,7 @@ class Overview:
     filled : ndarray, shape (Q',)
         bool, which of those blocks are on the grid.
     tones : ndarray, shape (Q,)
-        Plain tone at the middle of each block, or its mean if the object is not there.
+        Median tone of each block, plain: a narrow transition is taken for a mixture if it is one at this size.
     initial : ndarray, shape (Q, 3)
         Mean of N0 in each block, unit vectors.
     """
@@ -48,17 +50,17 @@ class Overview:
         factor = 2 ** len(steps)
         grid = steps[-1].coarse if steps else read.grid
         area = _block_sums(steps, np.ones(read.grid.size))
-        tones = _block_sums(steps, read.tones.plain) / area
-        height, width = read.grid.mask.shape
-        down, right = factor * grid.rows + factor // 2, factor * grid.columns + factor // 2
-        middle = read.grid.index[np.minimum(down, height - 1), np.minimum(right, width - 1)]
-        tones[middle != OUTSIDE] = read.tones.plain[middle[middle != OUTSIDE]]
         filled = 2 * area >= factor**2
         if not filled.any():  # nothing but lines
             filled = np.ones_like(filled)
         mask = np.zeros_like(grid.mask)
         mask[grid.rows[filled], grid.columns[filled]] = True
-        return cls(MaskedGrid(mask), steps, filled, tones[filled], _directions(steps, initial)[filled])
+        reduced = MaskedGrid(mask)
+        tones = read.tones.plain
+        if steps:
+            medians = _block_medians(read, grid.mask.shape, factor)[mask]
+            tones = PaintedTones.of(np.repeat(medians[:, None], 3, axis=1), reduced).plain  # as grays
+        return cls(reduced, steps, filled, tones, _directions(steps, initial)[filled])
 
     @property
     def factor(self) -> int:
@@ -87,6 +89,25 @@ def _block_sums(steps: list[Coarsening], values: FloatArray) -> FloatArray:
     for step in steps:
         values = step.sums(values)
     return values
+
+
+def _block_medians(read: Reading, shape: tuple[int, ...], factor: int) -> FloatArray:
+    """Median tone of the object in each block of a picture of so many blocks; of an even number the darker middle one."""
+    height, width = shape
+    framed = np.full((height * factor, width * factor), np.nan)
+    framed[read.grid.rows, read.grid.columns] = read.tones.tone
+    medians = np.empty(shape)
+    run_in_bands(_find_medians, framed.reshape(height, factor, width, factor), medians)
+    return medians
+
+
+def _find_medians(blocks: FloatArray, medians: FloatArray, first: int, last: int) -> None:
+    """Write the medians of some rows of blocks (h, n, w, n); NaN of those that hold NaN alone."""
+    ordered = np.sort(
+        np.moveaxis(blocks[first:last], 2, 1).reshape(last - first, blocks.shape[2], -1), axis=2
+    )
+    count = np.isfinite(ordered).sum(axis=2, keepdims=True)  # NaN comes last
+    medians[first:last] = np.take_along_axis(ordered, np.maximum(count - 1, 0) // 2, axis=2)[..., 0]
 
 
 def _directions(steps: list[Coarsening], vectors: FloatArray) -> FloatArray:
