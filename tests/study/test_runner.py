@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from distributed import LocalCluster
 
 import toonkit
 from tests.dashboards.conftest import free_port
@@ -308,6 +309,13 @@ def test_two_processes_joined_to_a_scheduler_give_the_same_table(tmp_path, undis
         run_study(plan(), tmp_path / "lost", scheduler=address, progress=kill)
     assert 4 <= len(records(tmp_path / "lost")) < TRIALS
     assert_same(run_study(plan(), tmp_path / "lost", workers=0), undisturbed)
+
+
+def test_a_scheduler_that_nobody_works_for_is_refused(tmp_path, monkeypatch):
+    with LocalCluster(n_workers=0, dashboard_address=":0") as alone:
+        monkeypatch.setattr(cluster, "NO_WORKER_SECONDS", 1)
+        with pytest.raises(ToonkitError, match="scheduler must have workers"):
+            run_study(plan(), tmp_path, scheduler=alone.scheduler_address)
 
 
 def test_a_scheduler_that_is_not_there_is_refused(tmp_path, monkeypatch):

@@ -10,7 +10,7 @@ import time
 from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from multiprocessing import get_context
 from typing import Any
@@ -28,7 +28,7 @@ POLL_SECONDS, LOOK_SECONDS = 0.02, 2.0
 """How often futures are looked at, and workers."""
 
 NO_WORKER_SECONDS = 30.0
-"""How long to wait for a worker to come back."""
+"""How long to wait for a worker to join, or to come back."""
 
 _LOCAL = {
     # Who was near a death is measured again alone, and need not die three more times for that.
@@ -108,6 +108,8 @@ def _ignoring_interrupts() -> Iterator[None]:
 
 
 def _refuse_other_code(client: Any, scheduler: str) -> None:
+    with suppress(TimeoutError):  # workers that were started a moment ago are still on their way
+        client.wait_for_workers(1, timeout=NO_WORKER_SECONDS)
     try:
         codes = client.run(_code)
     except Exception as error:  # whatever a worker says that has no toonkit, or another
