@@ -26,7 +26,8 @@ TabMaker = Callable[[ToonAnalysis], pn.Column]
 TAB_SIZE = {"height": 380, **WIDE}
 
 COLOR_MAP_NOTE = (
-    "Each dot is a pixel in its own color, placed by the light it would get if the drawing were just puffed up. "
+    "Each dot is a pixel in its own color, placed by the light it would get if the drawing were just puffed up; dark "
+    "outlines and lines are left out, for they stay as drawn. "
     "The curve is the color map of the shape that was recovered, and a bar is the range of light that one color stands for."
 )
 NORMAL_MAP_NOTE = (

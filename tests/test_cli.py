@@ -101,6 +101,19 @@ def test_an_estimate_that_explains_little_is_called_a_guess(drawing, tmp_path, m
     assert "this light is a guess" not in capsys.readouterr().out
 
 
+def test_line_art_is_mentioned_where_there_is_some(drawing, tmp_path, capsys):
+    image = load_image(drawing)
+    row, column = np.indices((SIZE, SIZE))
+    outline = np.hypot(column - 23.5, row - 23.5) > RADIUS - 2.5
+    write_picture(
+        toonkit.ToonImage(np.where(outline[..., None], 0.02, image.color), image.mask), tmp_path / "a.png"
+    )
+    for path, share in ((tmp_path / "a.png", outline[image.mask].mean()), (drawing, 0.0)):
+        assert main(["analyze", str(path), "--light", "135,45", "-o", str(tmp_path / "out")]) == 0
+        assert report_in(tmp_path / "out")["picture"]["line_art_share"] == pytest.approx(share, abs=0.02)
+        assert ("line art: " in capsys.readouterr().out) == (share > 0)
+
+
 def test_methods_of_the_help_are_those_of_the_library():
     assert tuple(toonkit.METHODS) == METHOD_NAMES
 

@@ -4,6 +4,7 @@ toonkit: the shape and the colors behind a cartoon-shaded drawing, and that draw
 The model is c = M(L · N). Where to read what, in the order of the paper:
 
     Section 3      toonkit.model                       pictures, lights, normals, color maps, shading
+                   toonkit.estimation.line_art         ink, taken off before anything else
     Section 3.1    toonkit.estimation.inflation        initial normals (Eq. 1); shape_prior corrects them, as learned
     Section 3.2    toonkit.estimation.color_map_fit    the color map by rank matching; light_fit the light
     Section 3.3    toonkit.estimation.energy           what is minimized (Eqs. 2 to 6); refinement minimizes it

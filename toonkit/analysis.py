@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from toonkit._validation import FloatArray
 from toonkit.estimation.color_map_fit import illumination_interval
+from toonkit.estimation.reading import reading
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
@@ -51,9 +52,13 @@ class ToonAnalysis:
 
     @property
     def picture(self) -> ToonImage:
-        """The input as the model paints it, M(L · N), with the input's alpha."""
+        """The input as the model paints it, M(L · N), under the input's line art and with its alpha."""
         painted = shade(self.normals, self.light, self.color_map)
-        return ToonImage(painted.color, self.image.mask, alpha=self.image.alpha)
+        color, read = painted.color.copy(), reading(self.image)
+        if read.line_art is not None:
+            inked = read.inked_places
+            color[inked] = read.line_art.over(color[inked])
+        return ToonImage(color, self.image.mask, alpha=self.image.alpha)
 
     def intervals(self) -> IlluminationInterval:
         """Range of illumination that each pixel's painted color allows, (H, W) bounds, NaN outside the mask."""

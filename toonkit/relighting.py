@@ -6,8 +6,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike
 
-from toonkit._validation import as_light, of_type
+from toonkit._validation import BoolArray, FloatArray, as_light, of_type
 from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.reading import reading
 from toonkit.model.image import ToonImage
 from toonkit.numerics.bands import run_in_bands
 
@@ -16,9 +17,6 @@ DETAIL_RANGE = 0.15
 
 DETAIL_SIZE = 0.1
 """Color difference, in sRGB, up to which what the model leaves unexplained is texture; a larger one is a misplaced edge."""
-
-LOST = 40.0
-"""Exponent beyond which less than a rounding error stays."""
 
 
 def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool = True) -> ToonImage:
@@ -49,20 +47,33 @@ def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool =
     -----
     With I = L · N and I' = L' · N the picture is c' = M(I') + w d, where d = c - M(I) is the detail and
 
-        w = exp(-((I' - I) / r)²),    r = 0.15 / (1 + |d|² / 0.1²).
+        w = (1 - ((I' - I) / 2r)²)⁴ within 2r, else 0,    r = 0.15 / (1 + |d|² / 0.1²),
 
+    nearly the bell exp(-((I' - I) / r)²), but with an end.
     Texture, whose d is small, stays until the light has turned by half a tone. A large d is no texture but a band edge that
     the model put a pixel beside the painted one: it goes at the first turn of the light, or it would stay behind as a
     scratch where the edge was. Pixels that the object touches without filling them move as the nearest object pixel does.
+    Line art stays as it is drawn: what it covers in part changes for the rest.
     """
     of_type("analysis", analysis, ToonAnalysis)
     light = as_light("new_light", new_light)
-    image, color_map = analysis.image, analysis.color_map
-    color = np.empty_like(image.color)
-    run_in_bands(
-        _paint, image.mask, analysis.normals.vectors, image.color, analysis.light, light,
-        np.ascontiguousarray(color_map.colors), *color_map.domain, keep_detail, color,
-    )  # fmt: skip
+    image, color_map, vectors = analysis.image, analysis.color_map, analysis.normals.vectors
+
+    def relit(mask: BoolArray, normals: FloatArray, painted: FloatArray) -> FloatArray:
+        color = np.empty_like(painted)
+        run_in_bands(
+            _paint, mask, normals, painted, analysis.light, light,
+            np.ascontiguousarray(color_map.colors), *color_map.domain, keep_detail, color,
+        )  # fmt: skip
+        return color
+
+    color = relit(image.mask, vectors, image.color)
+    read = reading(image)
+    if read.line_art is not None:
+        inked = read.inked_places
+        everywhere = np.ones((len(inked[0]), 1), np.bool_)
+        beneath = relit(everywhere, vectors[inked][:, None], read.line_art.beneath[:, None])
+        color[inked] = read.line_art.over(beneath[:, 0])
     fringe = color[image.fringe_sources]
     if keep_detail:
         fringe = np.clip(fringe + image.fringe_colors - image.color[image.fringe_sources], 0.0, 1.0)
@@ -101,8 +112,9 @@ def _paint(  # type: ignore[no-untyped-def]
 @njit(cache=True, nogil=True, error_model="numpy")
 def detail_weight(change: float, squared_size: float) -> float:
     """Return how much of a detail of |d|² stays, 0 to 1, where the illumination changes by `change`."""
-    turn = change * (1.0 + squared_size / DETAIL_SIZE**2) / DETAIL_RANGE
-    return np.exp(np.float32(-turn * turn)) if turn * turn < LOST else 0.0
+    turn = change * (1.0 + squared_size / DETAIL_SIZE**2) / (2.0 * DETAIL_RANGE)
+    left = max(1.0 - turn * turn, 0.0)
+    return left * left * left * left
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

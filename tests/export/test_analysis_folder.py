@@ -37,7 +37,8 @@ def test_the_report_says_what_was_done(analysis, tmp_path):
     assert report["light"]["azimuth_degrees"] == pytest.approx(135)
     assert report["light"]["elevation_degrees"] == pytest.approx(40)
     assert report["light"]["vector"] == analysis.light.tolist()
-    assert report["picture"] == {"width": 48, "height": 48, "mask_pixels": int(analysis.image.mask.sum())}
+    pixels = int(analysis.image.mask.sum())
+    assert report["picture"] == {"width": 48, "height": 48, "mask_pixels": pixels, "line_art_share": 0.0}
     assert report["solver"] == {
         "iterations": 12,
         "converged": True,

@@ -13,6 +13,7 @@ from scipy.ndimage import binary_erosion, maximum_filter, minimum_filter
 
 from toonkit import load_image
 from toonkit._validation import ToonkitError
+from toonkit.export.report import line_art_share
 from toonkit.model.luminance import tone
 from toonkit.samples import FOLDER, sample_light, sample_names, sample_path, sample_title
 from toonkit.study.color_maps import load_color_maps
@@ -116,6 +117,12 @@ def test_the_inked_rabbit_has_a_dark_line_all_along_its_outline() -> None:
 
 def test_only_one_sample_has_lines() -> None:
     assert [sample.name for sample in SAMPLES if sample.ink] == ["rabbit"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_line_art_is_found_where_it_was_drawn_alone(name: str) -> None:
+    share = line_art_share(load_image(sample_path(name)))
+    assert 0.05 < share < 0.15 if BY_NAME[name].ink else share == 0
 
 
 @pytest.mark.parametrize("name", NAMES)

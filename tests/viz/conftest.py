@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.ndimage import distance_transform_edt
 
 from toonkit import ColorMap, NormalField, ToonAnalysis, ToonImage, illumination, light_direction
 from toonkit.numerics.report import SolverReport
@@ -41,3 +44,15 @@ def painted_ball(size=120, seed=1):
 @pytest.fixture(scope="session")
 def ball():
     return painted_ball()
+
+
+@pytest.fixture(scope="session")
+def inked_ball():
+    """The painted ball with a black outline and a line across."""
+    ball = painted_ball()
+    image = ball.image
+    inward = distance_transform_edt(np.pad(image.mask, 1))[1:-1, 1:-1]
+    middle = np.abs(np.arange(len(image.mask)) - len(image.mask) / 2)[:, None]
+    share = np.clip(np.maximum(4.0 - inward, 2.5 - middle), 0, 1)[..., None]
+    color = np.round(255 * image.color * (1 - share)) / 255
+    return replace(ball, image=ToonImage(color, image.mask, alpha=image.alpha, fringe=image.fringe))

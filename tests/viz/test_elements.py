@@ -42,6 +42,13 @@ def test_a_fit_shows_pixels_ramp_and_intervals(ball):
     hv.render(overlay, backend="bokeh")
 
 
+def test_a_fit_shows_the_paint_without_the_line_art(inked_ball):
+    shown = color_map_fit(inked_ball).Points.I.dimension_values("tone")
+    as_drawn = tone(inked_ball.image.color[inked_ball.image.mask])
+    assert np.mean(as_drawn < 0.05) > 0.1
+    assert np.mean(shown < 0.05) < 0.01
+
+
 def test_a_ramp_spans_every_illumination(ball):
     assert color_ramp(ball.color_map).bounds.lbrt() == (-1, 0, 1, 1)
 

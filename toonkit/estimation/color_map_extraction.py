@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from toonkit._validation import of_type, refuse, same_shape
+from toonkit.estimation.reading import reading
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
 from toonkit.model.luminance import linear_to_srgb, srgb_to_linear, tone
@@ -27,7 +28,7 @@ def extract_color_map(image: ToonImage, stroke: ArrayLike) -> ColorMap:
         The drawing.
     stroke : array_like of bool, shape (H, W)
         True under the stroke. What lies outside the object is ignored, and so are pixels that the object only
-        covers in part as long as two others remain.
+        covers in part as long as two others remain. Under line art it takes the paint beneath.
 
     Returns
     -------
@@ -58,7 +59,8 @@ def extract_color_map(image: ToonImage, stroke: ArrayLike) -> ColorMap:
     if touched.sum() < MIN_STROKE:
         raise refuse("stroke", f"must pass over at least {MIN_STROKE} object pixels", int(touched.sum()))
     filled = touched & (image.alpha >= 1)
-    colors = image.color[filled if filled.sum() >= MIN_STROKE else touched]
+    chosen = filled if filled.sum() >= MIN_STROKE else touched
+    colors = reading(image).paint[chosen[image.mask]]
     ordered = srgb_to_linear(colors[np.argsort(tone(colors), kind="stable")])
     # Means of runs of ranks, of light: the mean of brighter colors is never darker.
     runs = np.array_split(ordered, min(len(ordered), SAMPLES))

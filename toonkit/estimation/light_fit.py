@@ -91,7 +91,7 @@ def estimate_light(image: ToonImage, *, initial_normals: NormalField | None = No
     of_type("image", image, ToonImage)
     if initial_normals is not None:
         same_mask("initial_normals", initial_normals.mask, image.mask, "the picture")
-    shades = luminance(image.color[image.mask])
+    shades = luminance(reading(image).paint)
     if float(np.var(shades)) < 1e-10:
         return LightEstimate(light_direction(0.0, 90.0), 0.0)
     normals = reading(image).initial_normals if initial_normals is None else initial_normals

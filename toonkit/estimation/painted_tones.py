@@ -60,8 +60,11 @@ class PaintedTones:
     @classmethod
     def of(cls, colors: FloatArray, grid: MaskedGrid) -> PaintedTones:
         """Read the colors (P, 3), sRGB in [0, 1], of a grid's pixels."""
-        light, tone = np.empty(colors.shape), np.empty(len(colors))
-        run_in_pieces(_decode, len(colors), colors, light, tone)
+        return cls.between(*decoded(colors), grid)
+
+    @classmethod
+    def between(cls, light: FloatArray, tone: FloatArray, grid: MaskedGrid) -> PaintedTones:
+        """Tell mixtures among the colors that have been decoded; see `of`."""
         rows, columns = grid.rows - grid.rows.min(), grid.columns - grid.columns.min()
         reach = MIXING_REACH
         framed = np.full((rows.max() + 1 + 2 * reach, columns.max() + 1 + 2 * reach), np.nan)
@@ -99,6 +102,13 @@ class PaintedTones:
         total = np.zeros((len(order) + 1, 3))
         np.cumsum(self.light[stand_in[order]], axis=0, out=total[1:])
         return total
+
+
+def decoded(colors: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return colors (P, 3), sRGB in [0, 1], as linear light, (P, 3), and their tones, (P,)."""
+    light, tone = np.empty(colors.shape), np.empty(len(colors))
+    run_in_pieces(_decode, len(colors), colors, light, tone)
+    return light, tone
 
 
 def _decode(colors: FloatArray, light: FloatArray, tone: FloatArray, piece: slice) -> None:

@@ -120,16 +120,23 @@ class WorkingSquare:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _interpolate(field, rows, columns, row, column, cosine, sine, scale, values, first, last):  # type: ignore[no-untyped-def]
-    """Interpolate a field (n, n, C) linearly at pixels of the picture; what lies beside it takes the nearest."""
-    end = field.shape[0] - 1
+    """Interpolate a field (n, n, 3) linearly at pixels of the picture; what lies beside it takes the nearest."""
+    end = field.shape[0] - 1.0
     for p in range(first, last):
         down, right = rows[p] - row, columns[p] - column
-        x = min(max((right * cosine - down * sine) * scale + end / 2, 0.0), float(end))
-        y = min(max((right * sine + down * cosine) * scale + end / 2, 0.0), float(end))
-        i, j = min(int(y), end - 1), min(int(x), end - 1)
+        x = (right * cosine - down * sine) * scale + end / 2
+        y = (right * sine + down * cosine) * scale + end / 2
+        # Written out, for min and max take long to compile.
+        x = 0.0 if x < 0.0 else end if x > end else x
+        y = 0.0 if y < 0.0 else end if y > end else y
+        i, j = int(y), int(x)
+        if i == end:
+            i -= 1
+        if j == end:
+            j -= 1
         y -= i
         x -= j
-        for c in range(field.shape[2]):
+        for c in range(3):
             above = (1.0 - x) * field[i, j, c] + x * field[i, j + 1, c]
             below = (1.0 - x) * field[i + 1, j, c] + x * field[i + 1, j + 1, c]
             values[p, c] = (1.0 - y) * above + y * below

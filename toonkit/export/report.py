@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.reading import reading
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
+from toonkit.model.image import ToonImage
 from toonkit.model.light import light_angles
 
 
@@ -25,8 +27,8 @@ def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
     Returns
     -------
     dict
-        "versions", "method", "light" (unit vector, degrees), "picture" (pixels), "color_map" and "solver"
-        (iterations, energies, why it stopped).
+        "versions", "method", "light" (unit vector, degrees), "picture" (pixels; share of the object that is line art),
+        "color_map" and "solver" (iterations, energies, why it stopped).
     """
     import toonkit  # noqa: PLC0415  # at call time, because the package's own __init__ stands above this module
 
@@ -44,7 +46,12 @@ def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
             "azimuth_degrees": azimuth,
             "elevation_degrees": elevation,
         },
-        "picture": {"width": width, "height": height, "mask_pixels": int(analysis.image.mask.sum())},
+        "picture": {
+            "width": width,
+            "height": height,
+            "mask_pixels": int(analysis.image.mask.sum()),
+            "line_art_share": line_art_share(analysis.image),
+        },
         "color_map": {
             "samples": len(analysis.color_map.colors),
             "domain": list(analysis.color_map.domain),
@@ -56,6 +63,24 @@ def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
             "energies": [float(energy) for energy in analysis.report.energies],
         },
     }
+
+
+def line_art_share(image: ToonImage) -> float:
+    """
+    Return how much of a drawing is line art.
+
+    Parameters
+    ----------
+    image : ToonImage
+        The drawing.
+
+    Returns
+    -------
+    float
+        Share of the object's area, 0 to 1.
+    """
+    ink = reading(image).line_art
+    return 0.0 if ink is None else float(ink.coverage.sum() / image.mask.sum())
 
 
 def write_report(report: dict[str, Any], path: PathLike) -> None:

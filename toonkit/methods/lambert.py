@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from toonkit._validation import FloatArray
 from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.reading import reading
 from toonkit.estimation.refinement import refine_as_printed
 from toonkit.methods.steps import StepProgress, inflated
 from toonkit.model.color_map import IlluminationInterval
@@ -50,7 +51,7 @@ def lambert(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None
     27(5), 2008.
     """
     steps = inflated(image, light, progress)
-    target = _stretched_luminance(image, steps.initial_illumination)
+    target = reading(image).grid.scatter(_stretched_luminance(image, steps.initial_illumination[image.mask]))
     refinement = refine_as_printed(
         steps.initial_normals,
         steps.light,
@@ -63,10 +64,11 @@ def lambert(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None
 
 
 def _stretched_luminance(image: ToonImage, illumination: FloatArray) -> FloatArray:
-    """Luminance (H, W), mapped so that its extremes meet those of the illumination."""
-    shades = luminance(image.color)
-    dark, bright = np.nanmin(shades), np.nanmax(shades)
-    low, high = np.nanmin(illumination), np.nanmax(illumination)
+    """Luminance (P,) of the paint, mapped so that its extremes meet those of the illumination."""
+    shades = luminance(reading(image).paint)
+    dark, bright = shades.min(), shades.max()
+    low, high = illumination.min(), illumination.max()
     if bright - dark < 1e-9:
-        return np.where(image.mask, (low + high) / 2, np.nan)
-    return low + (shades - dark) * ((high - low) / (bright - dark))
+        return np.full(shades.shape, (low + high) / 2)
+    stretched: FloatArray = low + (shades - dark) * ((high - low) / (bright - dark))
+    return stretched

@@ -1,15 +1,17 @@
-"""What a graphics card needs of an analysis: color, normals and color map as texture bytes."""
+"""What a graphics card needs of an analysis: color, line art, normals and color map as texture bytes."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
 from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.reading import reading
 from toonkit.model.color_map import ColorMap
-from toonkit.model.image import nearest_object_pixel
+from toonkit.model.image import ToonImage, nearest_object_pixel
 from toonkit.model.light import light_angles
 from toonkit.model.normals import NormalField
 
@@ -23,7 +25,7 @@ FARTHEST = 2048
 @dataclass(frozen=True, eq=False)
 class RelightTextures:
     """
-    One analysis as the bytes of three textures, row 0 at the top.
+    One analysis as the bytes of four textures, row 0 at the top.
 
     Attributes
     ----------
@@ -31,6 +33,8 @@ class RelightTextures:
         Size in pixels.
     color : bytes
         RGBA8, straight alpha: the picture as painted.
+    paint : bytes
+        RGBA8: what lies beneath its line art, and in alpha how much of that shows; empty for a picture without.
     normals : bytes
         RG16F: the equal-area projection (nx, ny) / sqrt(2 (1 + nz)). Unlike (nx, ny) itself it loses no
         precision at the rim, where nz = sqrt(1 - nx² - ny²) amplifies rounding. Outside the mask it holds
@@ -46,6 +50,7 @@ class RelightTextures:
     width: int
     height: int
     color: bytes
+    paint: bytes
     normals: bytes
     color_map: bytes
     domain: tuple[float, float]
@@ -67,15 +72,29 @@ def encode_textures(analysis: ToonAnalysis) -> RelightTextures:
         Its picture, refined normals and color map.
     """
     height, width = analysis.image.shape
+    color = analysis.image.to_rgba()
     return RelightTextures(
         width=width,
         height=height,
-        color=analysis.image.to_rgba().tobytes(),
+        color=color.tobytes(),
+        paint=_paint_beneath(analysis.image, color),
         normals=_project(analysis.normals).astype("<f2").tobytes(),
         color_map=_map_samples(analysis.color_map).astype("<f4").tobytes(),
         domain=analysis.color_map.domain,
         analyzed_light=light_angles(analysis.light),
     )
+
+
+def _paint_beneath(image: ToonImage, color: NDArray[np.uint8]) -> bytes:
+    """Encode a picture's colors (H, W, 4) without its line art."""
+    read = reading(image)
+    if read.line_art is None:
+        return b""
+    paint = color.copy()
+    paint[..., 3] = 255
+    beneath = np.column_stack([read.line_art.beneath, 1.0 - read.line_art.coverage])
+    paint[read.inked_places] = np.round(beneath * 255)
+    return paint.tobytes()
 
 
 def _project(normals: NormalField) -> FloatArray:

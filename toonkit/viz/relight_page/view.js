@@ -1,7 +1,7 @@
 // The relight view: a drawing beside its relit picture, each with a light that is set by dragging.
 //
-// c' = M(L'·N) + w d,  d = c - M(L·N),  w = exp(-((L'·N - L·N) (1 + |d|² / size²) / range)²);  w = 0 without detail
-// (toonkit/relighting.py)
+// c' = M(L'·N) + w d,  d = c - M(L·N),  w = (1 - t²)⁴ for t² < 1,  t = (L'·N - L·N) (1 + |d|² / size²) / (2 range);
+// w = 0 without detail. Line art stays on top (toonkit/relighting.py)
 //
 // x points right, y up, z toward the viewer; row 0 of every array is the top. Import-free, so that the
 // same module serves Panel and a notebook without a network.
@@ -14,10 +14,10 @@ void main() {  // one triangle that covers the canvas: no buffers
 const FRAGMENT = `#version 300 es
 precision highp float;
 precision highp sampler2D;
-uniform sampler2D u_color, u_normals, u_map;
+uniform sampler2D u_color, u_normals, u_map, u_paint;
 uniform vec3 u_original, u_light;
 uniform vec2 u_domain;
-uniform float u_detail, u_range, u_size;
+uniform float u_detail, u_range, u_size, u_inked;
 out vec4 painted;
 
 vec3 M(float illumination) {
@@ -43,17 +43,18 @@ void main() {
     p = texelFetch(u_normals, pixel, 0).rg;
     q = dot(p, p);
   }
+  vec4 paint = u_inked > 0.0 ? texelFetch(u_paint, pixel, 0) : vec4(color.rgb, 1.0);
   vec3 N = vec3(2.0 * sqrt(1.0 - q) * p, 1.0 - 2.0 * q);
   float after = dot(u_light, N);
   vec3 relit = M(after);
   if (u_detail > 0.0) {
     float before = dot(u_original, N);
-    vec3 detail = color.rgb - M(before);
-    float change = (after - before) * (1.0 + dot(detail, detail) / (u_size * u_size)) / u_range;
-    float gone = change * change;
-    if (gone < 14.0) { relit += exp(-gone) * detail; }  // exp(-14) is far below 1/255
+    vec3 detail = paint.rgb - M(before);
+    float turn = (after - before) * (1.0 + dot(detail, detail) / (u_size * u_size)) / (2.0 * u_range);
+    float left = max(1.0 - turn * turn, 0.0);
+    relit += left * left * left * left * detail;
   }
-  relit = clamp(relit, 0.0, 1.0);
+  relit = clamp(color.rgb + paint.a * (clamp(relit, 0.0, 1.0) - paint.rgb), 0.0, 1.0);
   if (fringe && u_detail > 0.0) { relit = clamp(own.rgb + relit - color.rgb, 0.0, 1.0); }
   painted = vec4(relit, own.a);
 }`
@@ -93,7 +94,7 @@ function painter(canvas) {
   const gl = canvas.getContext("webgl2", {premultipliedAlpha: false, antialias: false, depth: false})
   if (!gl) { return null }
   let program, at, contents = null
-  const textures = ["u_color", "u_normals", "u_map"]
+  const textures = ["u_color", "u_normals", "u_map", "u_paint"]
 
   function prepare() {
     program = gl.createProgram()
@@ -126,15 +127,19 @@ function painter(canvas) {
     gl.texImage2D(gl.TEXTURE_2D, 0, internal, width, height, 0, format, type, data)
   }
 
-  // contents: width, height, color (RGBA8), normals (RG half float), map (RGBA float), domain
+  // contents: width, height, color (RGBA8), paint (RGBA8, or empty), normals (RG half float), map (RGBA float), domain
   function load(next) {
     contents = next
-    const {width, height, color, normals, map, domain} = contents
+    const {width, height, color, paint, normals, map, domain} = contents
     if (canvas.width !== width || canvas.height !== height) { [canvas.width, canvas.height] = [width, height] }
     gl.viewport(0, 0, width, height)
     upload(0, gl.RGBA8, width, height, gl.RGBA, gl.UNSIGNED_BYTE, color)
     upload(1, gl.RG16F, width, height, gl.RG, gl.HALF_FLOAT, normals)
     upload(2, gl.RGBA32F, map.length / 4, 1, gl.RGBA, gl.FLOAT, map)
+    const inked = paint.length > 0
+    if (inked) { upload(3, gl.RGBA8, width, height, gl.RGBA, gl.UNSIGNED_BYTE, paint) }
+    else { upload(3, gl.RGBA8, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)) }
+    gl.uniform1f(at("u_inked"), inked ? 1 : 0)
     gl.uniform2f(at("u_domain"), domain[0], domain[1])
   }
 
@@ -397,9 +402,10 @@ function render({model}) {
   let reloading = false
   function reload() {
     reloading = false
-    const [[width, height], color] = [model.picture_size, bytes(model.color)]
+    const [[width, height], color, paint] = [model.picture_size, bytes(model.color), bytes(model.paint)]
     const [normals, map] = [bytes(model.normals), bytes(model.color_map)]
     const complete = width * height > 0 && color.length === 4 * width * height && normals.length === color.length
+      && (paint.length === 0 || paint.length === color.length)
     root.classList.toggle("empty", !complete)
     if (!complete) { return }
     const source = drawing.picture
@@ -409,7 +415,7 @@ function render({model}) {
     const ramp = new Float32Array(map.slice().buffer)
     for (const ball of [lightBall, originalBall]) { ball.load(ramp, model.domain) }
     shader?.load({
-      width, height, color, normals: new Uint16Array(normals.slice().buffer), map: ramp, domain: model.domain,
+      width, height, color, paint, normals: new Uint16Array(normals.slice().buffer), map: ramp, domain: model.domain,
     })
     originalMoved = true
     draw()
@@ -424,7 +430,7 @@ function render({model}) {
   model.on("change:new_light", () => { if (timer === null && !orbiting) { light = [...model.new_light]; schedule() } })
   for (const name of ["keep_detail", "detail_range", "detail_size"]) { model.on(`change:${name}`, schedule) }
   for (const name of ["step", "fraction"]) { model.on(`change:${name}`, showProgress) }
-  for (const name of ["color", "normals", "color_map", "domain", "picture_size", "analyzed_light"]) {
+  for (const name of ["color", "paint", "normals", "color_map", "domain", "picture_size", "analyzed_light"]) {
     model.on(`change:${name}`, scheduleReload)
   }
   const showFallback = () => showImage(relit.pictureImage, bytes(model.fallback_picture))

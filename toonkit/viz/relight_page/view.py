@@ -47,6 +47,7 @@ class RelightView(pn.custom.JSComponent):
     fraction = param.Number(0.0, bounds=(0, 1), doc="How much of it is done.")
 
     color = param.Bytes(b"", doc="RGBA8 texture: see RelightTextures, as for the next ones.")
+    paint = param.Bytes(b"", doc="RGBA8 texture, or none.")
     normals = param.Bytes(b"", doc="RG16F texture.")
     color_map = param.Bytes(b"", doc="RGBA32F texture, one row.")
     domain = param.List([-1.0, 1.0], bounds=(2, 2), doc="Illumination at the color map's two ends.")
