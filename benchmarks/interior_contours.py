@@ -1,4 +1,4 @@
-"""What interior contours would buy: self-occlusions inside the silhouette as one-sided constraints of the inflation.
+"""What interior contours buy: self-occlusions inside the silhouette as one-sided constraints of the inflation.
 
     python -m benchmarks.interior_contours -o notebooks/study/interior_contours.csv
 
@@ -7,26 +7,29 @@ contour, as on the silhouette, and nothing holds the farther side to it. Each me
 one with the contours that the colors show (edges where the illumination jumps farther than a smooth shape allows, of which
 one side alone can be a rim under the light), and from one that knows the true contours, which no method can.
 
-Runs on the pictures of `benchmarks.ablation`.
+Then the same pictures in ink: dark lines along the silhouette and the true contours. Each method reads the lines as shading,
+as it would without `toonkit.estimation.line_art`; takes them off; and takes them for contours, too.
+
+Runs on the pictures of `benchmarks.ablation`. The seconds of those in ink hold the drawing of it, too.
 """
 
 from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.ndimage import gaussian_filter, label
+from scipy.ndimage import distance_transform_edt, gaussian_filter, label
 
 from benchmarks.ablation import run
+from benchmarks.drawn_contours import Contours, cut_both_ways, drawn_contours
 from toonkit import NormalField, ToonAnalysis, ToonImage, illumination
-from toonkit._validation import BoolArray, FloatArray, as_light
+from toonkit._validation import FloatArray, as_light
 from toonkit.estimation.inflation import RESIDUAL_TOLERANCE, inflate, silhouette_system
 from toonkit.estimation.reading import reading
 from toonkit.estimation.shape_prior import correct_shape
-from toonkit.estimation.silhouette import trace_silhouette
 from toonkit.estimation.tone_ranks import ToneRanks
 from toonkit.methods import Method
 from toonkit.methods.steps import Inflated, StepProgress
@@ -35,9 +38,6 @@ from toonkit.numerics.masked_grid import OUTSIDE, MaskedGrid
 from toonkit.numerics.membrane import Membrane, solve_membrane
 from toonkit.study.rendering import RenderedShape
 from toonkit.study.trials import Painting
-
-ACROSS = np.array([(1, 0), (0, 1), (-1, 0), (0, -1)])
-"""(x, y) of the way to each of the four neighbors of `MaskedGrid`."""
 
 STEEPEST = 0.35
 """Smallest z of a nearer side's normal by which its slope is taken: at a rim it would have no end."""
@@ -51,23 +51,17 @@ FITS, BETTER_BY = 0.12, 0.1
 SHORTEST = 0.08
 """Shortest contour, in square roots of the object's area."""
 
-STIFFNESS, LEFT = 2.0, 1e-3
-"""Of a tie to a contour that runs half a pixel away; and what is left of a link that crosses one."""
-
 SMOOTHING = 1.5
 """Pixels over which illumination is smoothed to tell where a contour faces."""
 
+STIFFNESS, LEFT = 2.0, 1e-3
+"""Of a tie to a contour that runs half a pixel away; and what is left of a link that crosses one."""
 
-class Contours(NamedTuple):
-    """
-    Interior contours on a `MaskedGrid`.
+INK = (0.05, 0.04, 0.06)
+"""sRGB of the lines."""
 
-    `cut`, shape (P, 4): links that cross one. `outward`, shape (P, 2): where the rim of a pixel on the nearer side faces,
-    zero for all others.
-    """
-
-    cut: BoolArray
-    outward: FloatArray
+LINE = 0.012
+"""Their width, in square roots of the object's area; never less than 1.2 pixels."""
 
 
 def true_contours(truth: RenderedShape) -> Contours:
@@ -87,7 +81,7 @@ def true_contours(truth: RenderedShape) -> Contours:
         cut[near, direction] = True
         outward[near] += normals[near, :2]
     length = np.linalg.norm(outward, axis=1, keepdims=True)
-    return Contours(_both_ways(grid, cut), outward / np.maximum(length, 1e-12))
+    return Contours(cut_both_ways(grid, cut), outward / np.maximum(length, 1e-12))
 
 
 def found_contours(image: ToonImage, light: FloatArray) -> Contours:
@@ -127,17 +121,26 @@ def found_contours(image: ToonImage, light: FloatArray) -> Contours:
             outward[nearer] = facing[nearer]
     tied = outward.any(axis=1)
     cut &= tied[:, None] | tied[np.maximum(grid.neighbors, 0)]  # an edge without a nearer side is a crease
-    return Contours(_both_ways(grid, cut), outward)
+    return Contours(cut_both_ways(grid, cut), outward)
 
 
-def inflated_within(image: ToonImage, contours: Contours) -> NormalField:
+def lines_found(image: ToonImage, light: FloatArray) -> Contours | None:
+    """Return the contours that the lines of a drawing show, where its colors tell which side is the nearer one."""
+    read = reading(image)
+    if read.line_art is None:
+        return None
+    lit = read.initial_normals.compact @ light
+    return drawn_contours(read.line_art, read.tones.plain, lit, light, read.grid)
+
+
+def inflated_within(image: ToonImage, contours: Contours | None) -> NormalField:
     """Inflate a silhouette as `toonkit.inflate` does, with contours inside it."""
-    grid = MaskedGrid(image.mask)
-    alpha = image.mask.astype(np.float64) if image.alpha is None else image.alpha
-    membrane, pull = silhouette_system(grid, trace_silhouette(grid, alpha))
-    tied = contours.outward.any(axis=1)
+    if contours is None:
+        return reading(image).initial_normals
+    grid = reading(image).grid
+    membrane, pull = silhouette_system(grid, reading(image).silhouette)
     links = membrane.links * np.where(contours.cut, LEFT, 1.0).astype(np.float32)
-    membrane = Membrane(grid, links, membrane.ties + STIFFNESS * tied)
+    membrane = Membrane(grid, links, membrane.ties + STIFFNESS * contours.outward.any(axis=1))
     pull = pull + STIFFNESS * (contours.outward[:, 0] + 1j * contours.outward[:, 1])
     sideways, _ = solve_membrane(membrane, pull, tolerance=RESIDUAL_TOLERANCE)
     flat = sideways / np.maximum(np.abs(sideways), 1.0)
@@ -145,12 +148,18 @@ def inflated_within(image: ToonImage, contours: Contours) -> NormalField:
     return NormalField.of_pixels(np.stack([flat.real, flat.imag, forward], axis=1), image.mask)
 
 
-def _both_ways(grid: MaskedGrid, cut: BoolArray) -> BoolArray:
-    """Cut each link from both ends."""
-    for direction, there in enumerate(grid.neighbors.T):
-        crossing = np.flatnonzero(cut[:, direction] & (there != OUTSIDE))
-        cut[there[crossing], (direction + 2) % 4] = True
-    return cut
+def in_ink(image: ToonImage, truth: RenderedShape) -> ToonImage:
+    """Draw lines along a picture's silhouette, within the object, and along its true contours, on the nearer side."""
+    grid = MaskedGrid(truth.mask)
+    width = max(LINE * np.sqrt(grid.size), 1.2)
+    inward = distance_transform_edt(np.pad(grid.mask, 1))[1:-1, 1:-1] - 0.5
+    covered = width - inward + 0.5
+    nearer = np.zeros(grid.mask.shape, np.bool_)
+    nearer[grid.mask] = true_contours(truth).outward.any(axis=1)
+    if nearer.any():
+        covered = np.maximum(covered, width / 2 - distance_transform_edt(~nearer) + 1.0)
+    share = np.clip(covered, 0.0, 1.0)[..., None]
+    return ToonImage(image.color * (1 - share) + share * np.array(INK), image.mask, alpha=image.alpha)
 
 
 def _rise(grid: MaskedGrid, values: FloatArray) -> FloatArray:
@@ -162,8 +171,11 @@ def _rise(grid: MaskedGrid, values: FloatArray) -> FloatArray:
     return rise / np.maximum(np.linalg.norm(rise, axis=1, keepdims=True), 1e-12)
 
 
-Finder = Callable[[ToonImage, FloatArray], Contours]
+Finder = Callable[[ToonImage, FloatArray], Contours | None]
 """From a picture and its light to contours."""
+
+Drawing = Callable[[ToonImage], ToonImage]
+"""From a picture to another drawing of it."""
 
 
 def started(
@@ -173,34 +185,49 @@ def started(
     progress: StepProgress | None = None,
     finder: Finder | None,
     learned: bool,
+    drawing: Drawing | None = None,
 ) -> ToonAnalysis:
-    """Analyze a picture as `toonkit` does, or as `classical`, from an inflation that knows of contours."""
+    """Analyze a picture, or another drawing of it, as `toonkit` does or as `classical`, from an inflation with contours."""
     direction = as_light("light", light)
-    if finder is None:
-        initial = inflate(image.mask, alpha=image.alpha)
-    else:
-        initial = inflated_within(image, finder(image, direction))
-    steps = Inflated(image, direction, initial, progress)
-    normals = correct_shape(image, direction, initial) if learned else initial
-    return steps.finished("started", steps.refined(normals, None, OPTIONS if learned else None))
+    seen = image if drawing is None else drawing(image)
+    initial = inflated_within(seen, None if finder is None else finder(seen, direction))
+    steps = Inflated(seen, direction, initial, progress)
+    normals = correct_shape(seen, direction, initial) if learned else initial
+    analysis = steps.finished("started", steps.refined(normals, None, OPTIONS if learned else None))
+    return replace(analysis, image=image)  # what is relit is the picture without lines
 
 
 def variants(painting: Painting) -> dict[str, Method]:
-    """Name -> method: classical and ours, without interior contours, with those found and with the true ones."""
+    """Name -> method: classical and ours, without interior contours, with those found and the true ones; then in ink."""
 
     def told(_image: ToonImage, _light: FloatArray) -> Contours:
         return true_contours(painting.truth)
 
-    finders = {"": None, ", contours found": found_contours, ", contours true": told}
+    def inked(image: ToonImage) -> ToonImage:
+        return in_ink(image, painting.truth)
+
+    def overlooked(image: ToonImage) -> ToonImage:
+        drawing = inked(image)
+        reading(drawing).line_art = None
+        return drawing
+
+    kinds: dict[str, tuple[Finder | None, Drawing | None]] = {
+        "": (None, None),
+        ", contours found": (found_contours, None),
+        ", contours true": (told, None),
+        ", in ink, read as shading": (None, overlooked),
+        ", in ink, taken off": (None, inked),
+        ", in ink, for contours too": (lines_found, inked),
+    }
     return {
-        name + suffix: functools.partial(started, finder=finder, learned=learned)
+        name + suffix: functools.partial(started, finder=finder, learned=learned, drawing=drawing)
         for name, learned in (("classical", False), ("toonkit", True))
-        for suffix, finder in finders.items()
+        for suffix, (finder, drawing) in kinds.items()
     }
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    run(variants, "What interior contours would buy.", arguments)
+    run(variants, "What interior contours buy.", arguments)
 
 
 if __name__ == "__main__":

@@ -13,8 +13,9 @@ import pytest
 import toonkit
 from benchmarks import ablation, inflations, interior_contours, lights
 from benchmarks.shape_rows import measured_rows
-from tests.analytic import SOFT, painted
+from tests.analytic import SOFT, TWO_TONE, painted
 from toonkit.estimation.light_fit import LightEstimate
+from toonkit.estimation.reading import reading
 from toonkit.estimation.refinement import RefinementOptions
 from toonkit.estimation.shape_prior import correct_shape
 from toonkit.numerics.masked_grid import MaskedGrid
@@ -196,7 +197,8 @@ def balls(*centers: float) -> tuple[toonkit.ToonImage, RenderedShape]:
 def test_a_true_contour_ties_the_nearer_side_alone_and_cuts_from_both():
     _, shape = balls(35, -35)
     grid = MaskedGrid(shape.mask)
-    cut, outward = interior_contours.true_contours(shape)
+    contours = interior_contours.true_contours(shape)
+    cut, outward = contours.cut, contours.outward
     tied = outward.any(axis=1)
     near = shape.normals.vectors[grid.mask]
     assert tied.sum() > 60
@@ -229,7 +231,7 @@ def test_a_crease_is_no_contour():
 
 def test_a_contour_is_found_where_the_lit_end_of_a_ball_meets_the_one_behind_it():
     image, shape = balls(35, -35)
-    _, outward = interior_contours.found_contours(image, RIGHT)
+    outward = interior_contours.found_contours(image, RIGHT).outward
     tied = outward.any(axis=1)
     assert tied.sum() > 30
     agree = np.einsum("pc,pc->p", outward[tied], shape.normals.vectors[image.mask][tied][:, :2])
@@ -256,6 +258,66 @@ def test_an_inflation_that_knows_the_true_contours_is_nearer_the_truth():
         toonkit.angular_error(field, shape.normals).mean for field in (inflated, toonkit.inflate(image.mask))
     ]
     assert errors[0] < 0.75 * errors[1]
+
+
+def test_a_line_along_a_contour_ties_the_side_that_is_lit_as_a_rim():
+    image, shape = balls(35, -35)
+    drawing = interior_contours.in_ink(image, shape)
+    contours = interior_contours.lines_found(drawing, RIGHT)
+    assert contours is not None
+    tied = contours.outward.any(axis=1)
+    assert tied.sum() > 60
+    agree = np.einsum("pc,pc->p", contours.outward[tied], shape.normals.vectors[image.mask][tied][:, :2])
+    assert np.mean(agree > 0.7) > 0.9
+    errors = [
+        toonkit.angular_error(field, shape.normals).mean
+        for field in (interior_contours.inflated_within(drawing, contours), toonkit.inflate(image.mask))
+    ]
+    assert errors[0] < 0.8 * errors[1]
+
+
+def test_a_line_across_a_ball_is_taken_for_a_contour_which_is_why_no_method_does():
+    image, shape = balls(0)
+    height = np.mgrid[80:-80:161j, -110:110:221j][0]
+    line = (np.abs(height) < 1.1)[..., None]
+    from_above = toonkit.light_direction(90, 50)
+    clean = painted(shape.normals, TWO_TONE, light=from_above).color
+    drawing = interior_contours.in_ink(toonkit.ToonImage(clean, image.mask), shape)
+    drawing = toonkit.ToonImage(np.where(line, interior_contours.INK, drawing.color), image.mask)
+    contours = interior_contours.lines_found(drawing, from_above)
+    assert contours is not None
+    plain, contoured = (
+        toonkit.angular_error(interior_contours.inflated_within(drawing, given), shape.normals).mean
+        for given in (None, contours)
+    )
+    assert contoured > plain + 5
+
+
+def test_the_drawing_in_ink_is_the_picture_but_for_its_lines():
+    image, shape = balls(35, -35)
+    drawing = interior_contours.in_ink(image, shape)
+    ink = reading(drawing).line_art
+    assert ink is not None
+    grid = reading(drawing).grid
+    changed = np.abs(drawing.color - image.color).max(axis=-1)[image.mask] > 0
+    assert set(ink.pixels) >= set(np.flatnonzero(changed & (image.color[image.mask].mean(axis=1) > 0.4)))
+    near = interior_contours.true_contours(shape).outward.any(axis=1)
+    assert np.allclose(drawing.color[grid.mask][near], interior_contours.INK)
+
+
+@pytest.mark.parametrize("learned", [False, True])
+def test_lines_that_are_taken_off_cost_less_than_lines_read_as_shading(learned):
+    truth = render_shape(SHAPES["pear"], 96)
+    painting = paint(truth, load_color_maps()["terracotta"], StudySettings(size=96))
+    name = "toonkit" if learned else "classical"
+    methods = interior_contours.variants(painting)
+    errors = [
+        toonkit.angular_error(
+            methods[name + suffix](painting.image, painting.light).normals, truth.normals
+        ).mean
+        for suffix in ("", ", in ink, taken off", ", in ink, read as shading")
+    ]
+    assert errors[0] < errors[1] < errors[2]
 
 
 def test_the_lights_stand_all_around_and_three_at_each_elevation():
