@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 from scipy.ndimage import distance_transform_edt, gaussian_filter, label
 
 from benchmarks.ablation import run
-from benchmarks.drawn_contours import Contours, cut_both_ways, drawn_contours
+from benchmarks.drawn_contours import BETTER_BY, FITS, Contours, cut_both_ways, drawn_contours
 from toonkit import NormalField, ToonAnalysis, ToonImage, illumination
 from toonkit._validation import FloatArray, as_light
 from toonkit.estimation.inflation import RESIDUAL_TOLERANCE, inflate, silhouette_system
@@ -44,9 +44,6 @@ STEEPEST = 0.35
 
 GAP, PER_BEND = 0.12, 3.0
 """Jump of the illumination that no smooth shape has between neighbors: so much, and so much per bend of the inflation."""
-
-FITS, BETTER_BY = 0.12, 0.1
-"""Illumination by which a rim may miss its colors, on the mean of a contour; and by how much less than the other side."""
 
 SHORTEST = 0.08
 """Shortest contour, in square roots of the object's area."""
