@@ -55,6 +55,7 @@ def variants(painting: Painting) -> dict[str, Method]:
             varied, options=replace(OPTIONS, integrability_length=0.0)
         ),
         "toonkit without creases": functools.partial(varied, options=replace(OPTIONS, crease_turn=1e9)),
+        "toonkit without color edges": functools.partial(varied, options=replace(OPTIONS, color_jump=1e9)),
         "toonkit without margin": functools.partial(varied, options=replace(OPTIONS, margin=0.0)),
         "toonkit with the true color map": functools.partial(varied, color_map=painting.color_map),
     }
@@ -76,14 +77,12 @@ def varied(
     if not refined:
         return steps.finished("varied", Refinement(corrected, NOT_REFINED))
     if color_map is None:
-        interval = steps.fitted_interval(corrected)
-    else:
-        interval = illumination_interval(image, color_map)
+        return steps.finished("varied", steps.refined(corrected, None, options))
+    interval = illumination_interval(image, color_map)
     refinement = refine(
         corrected, steps.light, interval, alpha=image.alpha, options=options, progress=steps.refining
     )
-    analysis = steps.finished("varied", refinement)
-    return analysis if color_map is None else replace(analysis, color_map=color_map)
+    return replace(steps.finished("varied", refinement), color_map=color_map)
 
 
 def measured(

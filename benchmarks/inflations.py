@@ -20,7 +20,7 @@ from scipy.sparse.linalg import spsolve
 from benchmarks.ablation import run
 from toonkit import NormalField, ToonAnalysis, ToonImage, inflate
 from toonkit._validation import BoolArray, FloatArray, as_light
-from toonkit.estimation.refinement import Refinement, refine
+from toonkit.estimation.refinement import Refinement
 from toonkit.methods import Method
 from toonkit.methods.steps import Inflated, StepProgress
 from toonkit.numerics.report import NOT_REFINED
@@ -125,8 +125,7 @@ def started(
     steps = Inflated(image, as_light("light", light), inflation(image), progress)
     if not refined:
         return steps.finished("inflated", Refinement(steps.initial_normals, NOT_REFINED))
-    refinement = refine(steps.initial_normals, steps.light, steps.fitted_interval(), alpha=image.alpha)
-    return steps.finished("refined", refinement)
+    return steps.finished("refined", steps.refined(steps.initial_normals, None))
 
 
 def variants(painting: Painting) -> dict[str, Method]:

@@ -2,13 +2,14 @@ import numpy as np
 import pytest
 
 from tests.analytic import LIGHT, blob_mask, ellipse
-from toonkit.estimation.creases import crease_links
+from toonkit.estimation.edges import edge_links
 from toonkit.estimation.energy import (
     ChangeEnergy,
     PrintedEnergy,
     ShadingTerm,
     integrability_residual,
 )
+from toonkit.model.color_map import IlluminationInterval
 from toonkit.numerics.masked_grid import MaskedGrid
 from toonkit.numerics.membrane import Membrane, uniform_links
 
@@ -47,7 +48,9 @@ def test_gradient_of_the_printed_energy(seed):
 @pytest.mark.parametrize("lengths", [(2.0, 0.0), (0.0, 3.0), (1.5, 2.5)])
 def test_gradient_of_the_change_energy(seed, lengths):
     grid, normals, shading, initial, random = random_terms(seed)
-    membrane = Membrane(grid, crease_links(grid, initial, 5.0), random.uniform(0, 1, grid.size))
+    painted = IlluminationInterval(shading.lower, shading.upper)
+    links = edge_links(grid, initial, painted, turn=5.0, jump=0.3)
+    membrane = Membrane(grid, links, random.uniform(0, 1, grid.size))
     energy = ChangeEnergy(grid, shading, initial, membrane, *lengths)
     assert_slope_matches(energy, normals, random)
 

@@ -5,8 +5,9 @@ import pytest
 from scipy.optimize import minimize
 
 from tests.analytic import LIGHT, blob_mask
-from toonkit.estimation.creases import crease_links
+from toonkit.estimation.edges import edge_links
 from toonkit.estimation.energy import ChangeEnergy, ShadingTerm
+from toonkit.model.color_map import IlluminationInterval
 from toonkit.numerics import bands, unit_field
 from toonkit.numerics.masked_grid import MaskedGrid
 from toonkit.numerics.membrane import Membrane
@@ -22,7 +23,7 @@ def random_problem(seed: int, size: int = 16) -> tuple[UnitFieldProblem, ChangeE
     lower = np.clip(start @ LIGHT + random.uniform(-0.4, 0.3, grid.size), -0.9, 0.85)
     upper = lower + 0.1
     ties = random.uniform(0, 1, grid.size) * grid.rim
-    links = crease_links(grid, start, 20.0)
+    links = edge_links(grid, start, IlluminationInterval(lower, upper), turn=20.0, jump=0.3)
     membrane = Membrane(grid, links, ties)
     energy = ChangeEnergy(grid, ShadingTerm(LIGHT, lower, upper), start, membrane, 0.7, 0.9)
     problem = UnitFieldProblem(

@@ -121,6 +121,21 @@ def allowed_interval(tones: PaintedTones, color_map: ColorMap) -> IlluminationIn
     return IlluminationInterval(lower, upper)
 
 
+def painted_interval(
+    tones: PaintedTones, color_map: ColorMap, allowed: IlluminationInterval
+) -> IlluminationInterval:
+    """Narrow what `allowed_interval` returned to what the nearer one of the bands that each pixel mixes allows."""
+    mixed = np.flatnonzero(tones.mixed)
+    if mixed.size == 0:
+        return allowed
+    tolerance = max(HALF_STEP, tones.noise)
+    plain = tones.plain[mixed]
+    narrow = color_map.allowed(plain - tolerance, plain + tolerance)
+    lower, upper = allowed.lower.copy(), allowed.upper.copy()
+    lower[mixed], upper[mixed] = narrow.lower, narrow.upper
+    return IlluminationInterval(lower, upper)
+
+
 def _allow(
     tones: PaintedTones,
     color_map: ColorMap,

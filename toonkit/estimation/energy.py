@@ -107,7 +107,7 @@ class ChangeEnergy:
 
         E(N) = sum P(L · N) + l² (sum over neighbors k_pq |d_p - d_q|² + sum t_p |d_p|²) + m² sum r_p²,   d = N - N0,
 
-    with the stiffness k of links (one, or less across a crease) and t of ties, and where
+    with the stiffness k of links (one, or less across an edge) and t of ties, and where
     r = n3 ∂y n1 - n1 ∂y n3 - n3 ∂x n2 + n2 ∂x n3 vanishes for the unit normals of a surface: it is n3² times
     ∂y(n1 / n3) - ∂x(n2 / n3), without the division. It is taken at the middle of each cell of 2 x 2 pixels, where means and
     differences are both of second order, and is linear in each of the four normals.

@@ -18,7 +18,7 @@ from toonkit._validation import (
     same_mask,
     same_shape,
 )
-from toonkit.estimation.creases import crease_links
+from toonkit.estimation.edges import edge_links
 from toonkit.estimation.energy import PrintedEnergy, ShadingTerm
 from toonkit.estimation.silhouette import Silhouette, trace_silhouette
 from toonkit.model.color_map import IlluminationInterval
@@ -61,6 +61,9 @@ class RefinementOptions:
     crease_turn : float
         How much the initial normals turn, in radians per sqrt(object area), where their change is held together half as
         firmly: the edges of a cube stay edges.
+    color_jump : float
+        How far apart the illuminations of two neighbors' colors lie where their change is held together half as firmly:
+        colors that meet in the picture but not in the color map are no shading bands of one smooth surface.
     rim_hold : float
         How firmly the silhouette's normals hold, 0 (free) to 1 (as firmly as neighbors hold each other).
     tolerance : float
@@ -73,6 +76,7 @@ class RefinementOptions:
     change_reach: float = 0.2
     integrability_length: float = 0.01
     crease_turn: float = 10.0
+    color_jump: float = 0.02
     rim_hold: float = 1.0
     tolerance: float = 0.04
 
@@ -81,7 +85,7 @@ class RefinementOptions:
             value = getattr(self, name)
             if not is_number(value) or value < 0:
                 raise refuse(name, "must be a number >= 0", value)
-        for name in ("crease_turn", "change_reach", "tolerance"):
+        for name in ("crease_turn", "color_jump", "change_reach", "tolerance"):
             value = getattr(self, name)
             if not is_number(value) or value <= 0:
                 raise refuse(name, "must be a number > 0", value)
@@ -174,14 +178,19 @@ def refine_traced(
     shading: ShadingTerm,
     *,
     grid: MaskedGrid,
+    painted: IlluminationInterval | None = None,
     options: RefinementOptions | None = None,
     guess: NormalField | None = None,
     progress: Progress | None = None,
 ) -> Refinement:
-    """Refine normals of an object whose outline has been traced, and whose intervals are known; see `refine`."""
+    """
+    Refine normals of an object whose outline has been traced, and whose intervals are known; see `refine`.
+
+    What the colors allow by themselves, mixtures apart, is `painted`, with bounds of shape (P,); by default as the shading.
+    """
     options = RefinementOptions() if options is None else options
     field, report = solve_unit_field(
-        stated(silhouette, initial_normals, shading, grid, options),
+        stated(silhouette, initial_normals, shading, grid, options, painted),
         guess=None if guess is None else guess.compact,
         tolerance=options.tolerance,
         negligible=NEGLIGIBLE,
@@ -196,9 +205,13 @@ def stated(
     shading: ShadingTerm,
     grid: MaskedGrid,
     options: RefinementOptions,
+    painted: IlluminationInterval | None = None,
 ) -> UnitFieldProblem:
-    """State the problem that a refinement solves: `ChangeEnergy`, in lengths of the object."""
+    """State the problem that a refinement solves: `ChangeEnergy`, in lengths of the object; see `refine_traced`."""
     start = initial_normals.compact
+    if painted is None:
+        painted = IlluminationInterval(shading.lower, shading.upper)
+    links = edge_links(grid, start, painted, turn=options.crease_turn, jump=options.color_jump)
     shading = _with_margin(shading, start, options.margin)
     size = float(np.sqrt(grid.size))
     rim = block_sums(silhouette.pixels, 1.0 / silhouette.distances, grid.size)
@@ -209,7 +222,7 @@ def stated(
         lower=shading.lower,
         upper=shading.upper,
         weight=np.ones(grid.size),
-        links=crease_links(grid, start, options.crease_turn),
+        links=links,
         ties=options.rim_hold * rim + 1.0 / (options.change_reach * size) ** 2,
         change_weight=(options.change_length * size) ** 2,
         integrability_weight=(options.integrability_length * size) ** 2,

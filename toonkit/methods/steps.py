@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from toonkit._validation import FloatArray, as_light, of_type
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.color_map_fit import allowed_interval, rank_matched
+from toonkit.estimation.color_map_fit import allowed_interval, painted_interval, rank_matched
 from toonkit.estimation.energy import ShadingTerm
 from toonkit.estimation.reading import reading
 from toonkit.estimation.refinement import Refinement, RefinementOptions, refine_traced
@@ -55,7 +55,7 @@ class Inflated:
 
     def fitted_interval(self, normals: NormalField | None = None) -> IlluminationInterval:
         """Fit the color map to N0, or to better normals (Section 3.2); return the illumination it allows, (H, W)."""
-        allowed = self._allowed(self.initial_normals if normals is None else normals)
+        allowed, _ = self._allowed(self.initial_normals if normals is None else normals)
         grid = reading(self.image).grid
         return IlluminationInterval(grid.scatter(allowed.lower), grid.scatter(allowed.upper))
 
@@ -64,21 +64,25 @@ class Inflated:
     ) -> Refinement:
         """Fit the color map to normals and refine them (Sections 3.2 and 3.3), from an earlier answer if there is one."""
         read = reading(self.image)
-        allowed = self._allowed(normals)
+        allowed, painted = self._allowed(normals)
         return refine_traced(
             read.silhouette,
             normals,
             ShadingTerm(self.light, allowed.lower, allowed.upper),
             grid=read.grid,
+            painted=painted,
             options=options,
             guess=None if previous is None else previous.normals,
             progress=self.refining,
         )
 
-    def _allowed(self, normals: NormalField) -> IlluminationInterval:
+    def _allowed(self, normals: NormalField) -> tuple[IlluminationInterval, IlluminationInterval]:
+        """Return what the color map fitted to normals allows each pixel (P,), and what it would if none were mixed."""
         if self.progress is not None:
             self.progress("fitting the color map", INFLATED)
-        return allowed_interval(reading(self.image).tones, self._fitted(normals))
+        tones, color_map = reading(self.image).tones, self._fitted(normals)
+        allowed = allowed_interval(tones, color_map)
+        return allowed, painted_interval(tones, color_map, allowed)
 
     def _fitted(self, normals: NormalField) -> ColorMap:
         lit = np.clip(normals.compact @ self.light, -1.0, 1.0)

@@ -23,7 +23,6 @@ from toonkit.numerics.report import SolverReport
 from toonkit.numerics.unit_field_kernels import (
     finish_blocks,
     gather_blocks,
-    gather_problem,
     relax,
     retract,
     slope,
@@ -86,21 +85,17 @@ class UnitFieldProblem:
 
     def coarsened(self, step: Coarsening) -> UnitFieldProblem:
         """Return the same problem on 2 x 2 blocks: of intervals and vectors the means, of links what is as stiff."""
-        start = np.zeros((step.coarse.size, 3))
-        weight, lower, upper, ties = np.zeros((4, step.coarse.size))
-        self.grid.bands.run(
-            gather_problem, step.parent, self.start, self.weight, self.lower, self.upper, self.ties,
-            start, weight, lower, upper, ties,
-        )  # fmt: skip
+        start = step.sums(self.weight[:, None] * self.start)
+        weight = step.sums(self.weight)
         return replace(
             self,
             grid=step.coarse,
             start=moved(step.coarse, start, start),
-            lower=lower / weight,
-            upper=upper / weight,
+            lower=step.sums(self.weight * self.lower) / weight,
+            upper=step.sums(self.weight * self.upper) / weight,
             weight=weight,
             links=step.links(self.links),
-            ties=ties,
+            ties=step.sums(self.ties),
         )
 
 

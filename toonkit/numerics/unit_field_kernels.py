@@ -219,21 +219,6 @@ def slope(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's share,
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def gather_problem(  # type: ignore[no-untyped-def]
-    parent, start, weight, lower, upper, ties, mean, heavy, low, high, tied, first, last
-):
-    """Sum over each block what a problem is made of, into arrays that hold zeros."""
-    for p in range(first, last):
-        block = parent[p]
-        for c in range(3):
-            mean[block, c] += weight[p] * start[p, c]
-        heavy[block] += weight[p]
-        low[block] += weight[p] * lower[p]
-        high[block] += weight[p] * upper[p]
-        tied[block] += ties[p]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def gather_blocks(  # type: ignore[no-untyped-def]
     parent,
     light,
