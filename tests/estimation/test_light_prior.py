@@ -23,6 +23,11 @@ from toonkit.estimation.working_square import SIZE
 LIGHT = light_direction(32, 41)
 
 
+def uninked(tones: np.ndarray, mask: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """What is seen of a drawing without ink."""
+    return features(tones, mask, np.zeros_like(mask), normals)
+
+
 def drawing() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Tones, mask and normals, SIZE pixels wide, of a shape without symmetry."""
     whole = ellipse((SIZE - 9) / 2, 30)
@@ -51,11 +56,13 @@ def turned_vectors(vectors: np.ndarray, quarters: int) -> np.ndarray:
 
 def random_weights(seed: int = 4) -> dict[str, np.ndarray]:
     rng = np.random.default_rng(seed)
-    shapes = {"stem": (4, 4 * CHANNELS, 3, 3), "hidden": (9, 8), "out": (4, 9)}
+    shapes = {"stem": (4, 4 * (CHANNELS - 1), 3, 3), "hidden": (9, 8), "out": (4, 9)}
     for level in range(4):
         shapes |= {f"down.{level}.{part}": (4, 4, 3, 3) for part in ("enter", "first", "second")}
     weights = {f"{name}.weight": rng.normal(0, 0.3, shape) for name, shape in shapes.items()}
     weights |= {f"{name}.bias": rng.normal(0, 0.1, shape[0]) for name, shape in shapes.items()}
+    ink = np.random.default_rng(seed).normal(0, 0.3, (4, 4, 3, 3))
+    weights["stem.weight"] = np.concatenate([weights["stem.weight"], ink], axis=1)
     return {name: values.astype(np.float32) for name, values in weights.items()}
 
 
@@ -67,7 +74,7 @@ def brightest_side(weights: object, seen: np.ndarray) -> np.ndarray:
 
 def test_nothing_is_seen_beside_the_object() -> None:
     tones, mask, normals = drawing()
-    seen = features(tones + ~mask, mask, normals + ~mask[..., None])
+    seen = uninked(tones + ~mask, mask, normals + ~mask[..., None])
     assert seen.shape == (CHANNELS, SIZE, SIZE)
     assert seen.dtype == np.float32
     assert not seen[:, ~mask].any()
@@ -79,7 +86,7 @@ def test_nothing_is_seen_beside_the_object() -> None:
 def test_a_brighter_painting_looks_the_same(factor: int, offset: int) -> None:
     tones, mask, normals = drawing()
     seen, brighter = (
-        features(t.astype(np.float32), mask, normals) for t in (tones, factor * tones + offset / 255)
+        uninked(t.astype(np.float32), mask, normals) for t in (tones, factor * tones + offset / 255)
     )
     assert np.ptp(seen[4]) == 1
     assert np.abs(seen - brighter).max() < 1e-5  # rounding
@@ -87,23 +94,32 @@ def test_a_brighter_painting_looks_the_same(factor: int, offset: int) -> None:
 
 def test_the_rank_of_a_color_is_the_share_of_darker_pixels_and_half_of_its_own() -> None:
     tones, mask, normals = drawing()
-    seen = features(tones, mask, normals)
+    seen = uninked(tones, mask, normals)
     painting = tones[mask]
     expected = [(painting < t).mean() + (painting == t).mean() / 2 for t in painting]
     assert seen[5][mask] == pytest.approx(np.array(expected), abs=1e-6)
     assert seen[5][mask].mean() == pytest.approx(0.5, abs=1e-6)
 
 
+def test_ink_is_seen_on_the_object_alone() -> None:
+    tones, mask, normals = drawing()
+    ink = np.zeros_like(mask)
+    ink[40:60] = True
+    seen = features(tones, mask, ink, normals)
+    assert np.array_equal(seen[6], ink & mask)
+    assert np.array_equal(seen[:6], uninked(tones, mask, normals)[:6])
+
+
 def test_one_flat_tone_is_no_division_by_zero() -> None:
     _, mask, normals = drawing()
-    seen = features(np.full(mask.shape, 0.4, np.float32), mask, normals)
+    seen = uninked(np.full(mask.shape, 0.4, np.float32), mask, normals)
     assert not seen[4].any()
     assert (seen[5][mask] == 0.5).all()
 
 
 @pytest.mark.parametrize("turn", TURNS)
 def test_what_turns_with_the_drawing_comes_back(turn: tuple[int, bool]) -> None:
-    seen = features(*drawing())
+    seen = uninked(*drawing())
     straight = brightest_side(None, seen)
     answer = light_prior._undone(brightest_side(None, turned(seen, *turn)), *turn)
     assert answer == pytest.approx(straight, rel=1e-4)
@@ -114,16 +130,16 @@ def test_turned_features_are_those_of_a_turned_drawing(turn: tuple[int, bool]) -
     """Its N0 is inflated anew: no rotation of vectors is taken on trust."""
     quarters, mirrored = turn
     tones, mask, _ = drawing()
-    seen = features(tones, mask, np.nan_to_num(inflate(mask).vectors).astype(np.float32))
+    seen = uninked(tones, mask, np.nan_to_num(inflate(mask).vectors).astype(np.float32))
     tones, mask = (np.rot90(part[:, ::-1] if mirrored else part, quarters) for part in (tones, mask))
-    expected = features(tones, mask, np.nan_to_num(inflate(mask).vectors).astype(np.float32))
+    expected = uninked(tones, mask, np.nan_to_num(inflate(mask).vectors).astype(np.float32))
     assert np.allclose(
         turned(seen, quarters, mirrored), expected, atol=2e-3
     )  # the membrane is solved to 1e-5
 
 
 def test_the_eight_turns_are_eight_different_views_and_leave_the_features_alone() -> None:
-    seen = features(*drawing())
+    seen = uninked(*drawing())
     before = seen.copy()
     views = [turned(seen, *turn) for turn in TURNS]
     assert np.array_equal(seen, before)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.ndimage import distance_transform_edt
 
 from tests.analytic import SOFT, TWO_TONE, ellipse, painted
 from toonkit import ToonImage
@@ -44,11 +45,32 @@ def test_the_same_drawing_in_four_times_the_pixels_is_seen_alike():
         reduced, _ = overview(size)
         square = WorkingSquare.around(reduced.grid, np.array([0.6, 0.8]))
         seen.append(reduced.seen_from(square))
-    (mask, tones, normals), (mask_2, tones_2, normals_2) = seen
+    (mask, _, tones, normals), (mask_2, _, tones_2, normals_2) = seen
     both = mask & mask_2
     assert (mask ^ mask_2).mean() < 0.01
     assert (np.abs(tones - tones_2)[both] > 0.01).mean() < 0.03
     assert np.abs(normals - normals_2)[both].mean() < 0.02
+
+
+@pytest.mark.parametrize("radius", [60, 190])
+def test_ink_is_seen_where_it_is_drawn_and_the_paint_beneath_by_its_neighbors(radius):
+    shape = ellipse(radius, 0.8 * radius)
+    clean = painted(shape.normals, TWO_TONE)
+    ink = distance_transform_edt(shape.mask) <= 0.04 * radius
+    image = ToonImage(np.where(ink[..., None], 0.02, clean.color), shape.mask)
+    read = reading(image)
+    reduced = Overview.of(read, read.initial_normals.compact)
+    square = WorkingSquare.around(reduced.grid, np.array([1.0, 0.0]))
+    mask, seen, tones, _ = reduced.seen_from(square)
+    rim = mask & (distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1] <= 1.0)
+    assert seen[rim].mean() > 0.9
+    assert not seen[distance_transform_edt(mask) > 5].any()
+    assert tones[mask].min() > 0.1
+
+
+def test_without_ink_none_is_seen():
+    reduced, _ = overview(60)
+    assert not reduced.ink.any()
 
 
 @pytest.mark.parametrize("factor", [2, 4])

@@ -22,4 +22,8 @@ def ellipsoids(count: int) -> Dataset:
         truth.append(np.where(mask[..., None], shape.normals.vectors, 0))
         initial.append(np.nan_to_num(inflate(mask).vectors))
         masks.append(mask)
-    return Dataset(np.array(truth, np.float16), np.array(initial, np.float16), np.array(masks))
+    contours = np.zeros_like(masks)
+    contours[:, 30:60, SIZE // 2] = True  # as if something ended there
+    return Dataset(
+        np.array(truth, np.float16), np.array(initial, np.float16), np.array(masks), contours & masks
+    )

@@ -95,7 +95,9 @@ def test_the_weights_say_how_they_were_made(kind: str, output: Path) -> None:
     run(kind, output, seed=11, shape_seed=3)
     text = (output / f"{kind}_prior.json").read_text(encoding="utf-8")
     made = json.loads(text)
-    command_line = f"{kind} -o DIR --shapes 6 --shape-seed 3 --steps 5 --batch 4 --seed 11"
+    command_line = (
+        f"{kind} -o DIR --shapes 6 --shape-seed 3 --steps 5 --batch 4 --rate 0.002 --keep 0.0 --seed 11"
+    )
     assert made["command"] == f"python -m toonkit.training {command_line}"
     assert made["parameters"] == sum(values.size for values in weights_in(output, kind).values())
     assert (
@@ -184,7 +186,10 @@ def test_shapes_kept_aside_are_never_trained_on(output: Path, monkeypatch: pytes
         ({"workers": 0}, "--workers must be at least 1; got 0"),
         ({"seed": -1}, "--seed must be at least 0; got -1"),
         ({"shape_seed": -1}, "--shape-seed must be at least 0; got -1"),
-        ({"start": "nowhere.pt"}, "--start must be a checkpoint that exists; got nowhere.pt"),
+        ({"rate": 0.0}, "--rate must be between 0 and 1; got 0.0"),
+        ({"keep": 1.0}, "--keep must be at least 0 and less than 1; got 1.0"),
+        ({"keep": 0.5}, "--keep needs weights (.npz) to --start from; got 0.5"),
+        ({"start": "nowhere.pt"}, "--start must be a file that exists; got nowhere.pt"),
     ],
 )
 def test_bad_arguments_are_refused_in_one_line(
@@ -206,16 +211,19 @@ def test_an_output_that_is_a_file_is_refused_in_one_line(
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 
+@pytest.mark.parametrize("ending", ["pt", "npz"])
 @KINDS
-def test_a_training_started_from_another_says_so(kind: str, output: Path, tmp_path_factory) -> None:
+def test_a_training_started_from_another_says_so(
+    kind: str, ending: str, output: Path, tmp_path_factory
+) -> None:
     run(kind, output, shape_seed=3)
     second = tmp_path_factory.mktemp("second")
     (second / "shapes").symlink_to(output / "shapes", target_is_directory=True)
-    assert run(kind, second, steps=3, shape_seed=3, start=output / f"{kind}_prior.pt") == 0
+    assert run(kind, second, steps=3, shape_seed=3, start=output / f"{kind}_prior.{ending}") == 0
     first, made = (
         json.loads((folder / f"{kind}_prior.json").read_text(encoding="utf-8")) for folder in (output, second)
     )
-    assert "--start CHECKPOINT" in made["command"]
+    assert "--start BEFORE" in made["command"]
     (earlier,) = made["started from"]
     assert earlier["command"] == first["command"]
     figures = "figures, degrees, on shapes kept aside"
@@ -225,6 +233,32 @@ def test_a_training_started_from_another_says_so(kind: str, output: Path, tmp_pa
     assert run(kind, second, steps=3, shape_seed=3) == 0  # gone on with, and told no more of the start
     again = json.loads((second / f"{kind}_prior.json").read_text(encoding="utf-8"))
     assert again["command"] == made["command"]
+
+
+@KINDS
+def test_what_is_kept_of_the_weights_it_started_from_is_in_what_it_writes(
+    kind: str, output: Path, tmp_path_factory
+) -> None:
+    run(kind, output)
+    before = weights_in(output, kind)
+    written = []
+    for keep in (0.0, 0.75):
+        folder = tmp_path_factory.mktemp("next")
+        (folder / "shapes").symlink_to(output / "shapes", target_is_directory=True)
+        assert run(kind, folder, seed=8, start=output / f"{kind}_prior.npz", keep=keep) == 0
+        written.append(weights_in(folder, kind))
+    made = json.loads((folder / f"{kind}_prior.json").read_text(encoding="utf-8"))
+    assert "--keep 0.75" in made["command"]
+    figures = "figures, degrees, on shapes kept aside"
+    mixed, last = made[f"{figures}, with what was kept"], made[figures][-1]
+    assert mixed.keys() == last.keys() - {"step"}
+    assert mixed != {name: last[name] for name in mixed}
+    options = {"seed": 8, "keep": 0.75, "start": output / f"{kind}_prior.npz"}
+    assert run(kind, folder, **options) == 0  # from its checkpoint
+    assert differing(weights_in(folder, kind), written[1]) == []
+    for name, values in before.items():
+        mixed = 0.25 * written[0][name].astype(float) + 0.75 * values
+        assert written[1][name] == pytest.approx(mixed, abs=2e-3 * np.abs(mixed).max())  # of 16-bit numbers
 
 
 def test_a_checkpoint_of_another_task_is_no_start(output: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -36,7 +36,7 @@ def made(folder: Path, count: int = 3, seed: int = 5, workers: int = 1) -> Datas
 def same(first: Dataset, second: Dataset) -> bool:
     return all(
         np.array_equal(getattr(first, name), getattr(second, name))
-        for name in ("normals", "initial_normals", "masks")
+        for name in ("normals", "initial_normals", "masks", "contours")
     )
 
 
@@ -55,6 +55,7 @@ def test_as_many_shapes_as_wanted_with_truth_and_inflated_normals(tmp_path: Path
     first = render_solid(random_solid(rng), SIZE)
     assert first is not None
     assert np.array_equal(shapes.masks[0], first.mask)
+    assert np.array_equal(shapes.contours[0], first.contours)
     assert shapes.normals[0] == pytest.approx(first.normals, abs=1e-3)
     inflated = np.nan_to_num(inflate(first.mask, alpha=first.coverage).vectors)
     assert shapes.initial_normals[0] == pytest.approx(inflated, abs=1e-3)
@@ -78,7 +79,7 @@ def test_a_missing_shard_is_made_again_as_it_was(tmp_path: Path) -> None:
 
 def test_shapes_do_not_depend_on_how_many_are_made_or_by_how_many(tmp_path: Path) -> None:
     few, many = made(tmp_path / "few"), made(tmp_path / "many", count=5, workers=3)
-    assert same(few, Dataset(many.normals[:3], many.initial_normals[:3], many.masks[:3]))
+    assert same(few, Dataset(many.normals[:3], many.initial_normals[:3], many.masks[:3], many.contours[:3]))
 
 
 def test_another_seed_makes_other_shapes_and_no_two_are_alike(tmp_path: Path) -> None:
@@ -154,15 +155,15 @@ def test_a_shape_that_was_cut_off_stands_as_near_the_middle_as_its_frame_allows(
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_the_inflated_normals_of_a_view_are_those_of_its_mask(variant: int) -> None:
     """Inflation is done anew: no rotation of vectors is taken on trust."""
-    _, initial, mask = ellipsoids(2).view(0, variant)
+    _, initial, mask, _ = ellipsoids(2).view(0, variant)
     inflated = np.nan_to_num(inflate(mask).vectors)
     assert np.abs(initial - inflated).max() < 3e-3  # 16-bit numbers, and the membrane is solved to 1e-5
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_the_truth_of_a_view_turns_with_its_initial_normals(variant: int) -> None:
-    truth, initial, mask = ellipsoids(2).view(1, variant)
-    straight, before, _ = ellipsoids(2).view(1, 0)
+    truth, initial, mask, _ = ellipsoids(2).view(1, variant)
+    straight, before, _, _ = ellipsoids(2).view(1, 0)
     # A turn or a reflection of the picture changes no angle between two normals at a pixel.
     now = (truth * initial).sum(axis=-1)[mask]
     assert np.sort(now) == pytest.approx(
@@ -175,8 +176,8 @@ def test_the_truth_of_a_view_turns_with_its_initial_normals(variant: int) -> Non
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_the_views_are_the_turns_in_which_the_light_prior_asks(variant: int) -> None:
     def seen(which: int) -> np.ndarray:
-        truth, initial, mask = ellipsoids(2).view(0, which)
-        return light_prior.features(np.where(mask, truth[..., 2], 0), mask, initial)
+        truth, initial, mask, contours = ellipsoids(2).view(0, which)
+        return light_prior.features(np.where(mask, truth[..., 2], 0), mask, contours, initial)
 
     assert np.array_equal(seen(variant), light_prior.turned(seen(0), *light_prior.TURNS[variant]))
 
@@ -251,6 +252,31 @@ def test_a_light_is_tilted_by_its_doubt_about_each_of_two_axes_and_stays_in_fron
         assert np.rad2deg((lights @ axis).std()) == pytest.approx(4, rel=0.05)
     low = np.array([tilted(light_direction(0, 3), np.deg2rad(20), rng) for _ in range(200)])
     assert (low[:, 2] > 0).all()
+
+
+def test_ink_hides_the_paint_and_what_is_seen_there_is_the_nearest_that_shows() -> None:
+    drawings = Drawings(ellipsoids(3), 0, 3)
+    for seed in range(8):
+        clean, inked = (
+            drawings.draw(np.random.default_rng(seed), turned=True, inked=inked) for inked in (0.0, 1.0)
+        )
+        assert not clean.ink.any()
+        assert inked.ink.any()
+        assert np.array_equal(inked.normals, clean.normals)
+        assert np.array_equal(inked.light, clean.light)
+        shown = inked.mask & ~inked.ink
+        assert np.array_equal(inked.tones[shown], clean.tones[shown])
+        row, column = np.argwhere(inked.ink)[7]
+        places = np.argwhere(shown)
+        away = np.hypot(*(places - [row, column]).T)
+        nearest = places[away == away.min()]
+        assert inked.tones[row, column] in clean.tones[tuple(nearest.T)]
+
+
+def test_as_many_drawings_are_inked_as_asked() -> None:
+    drawings = Drawings(ellipsoids(3), 0, 3)
+    drawn = [drawings.draw(np.random.default_rng(k), turned=True, inked=0.4) for k in range(100)]
+    assert 0.25 < np.mean([drawing.ink.any() for drawing in drawn]) < 0.55
 
 
 def test_only_the_shapes_asked_for_are_drawn() -> None:

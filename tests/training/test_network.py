@@ -9,7 +9,7 @@ from torch import nn
 
 from toonkit.estimation import convolution, light_prior, shape_prior
 from toonkit.estimation.convolution import Array, Weights
-from toonkit.training.network import LightNetwork, ShapeNetwork, exported
+from toonkit.training.network import LightNetwork, ShapeNetwork, exported, fast_arithmetic
 
 SIDE = 32  # any multiple of 16 will do
 
@@ -105,3 +105,12 @@ def test_every_parameter_learns(network: type[nn.Module]) -> None:
         name for name, values in trained.named_parameters() if values.grad is None or not values.grad.any()
     ]
     assert idle == []
+
+
+@pytest.mark.parametrize(("capability", "kind"), [("AVX512", torch.bfloat16), ("AVX2", torch.float32)])
+def test_layers_compute_in_16_bits_where_that_is_fast(
+    capability: str, kind: torch.dtype, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(torch.backends.cpu, "get_cpu_capability", lambda: capability)
+    with torch.no_grad(), fast_arithmetic():
+        assert ShapeNetwork()(torch.zeros(1, shape_prior.CHANNELS, SIDE, SIDE)).dtype == kind

@@ -190,6 +190,19 @@ def test_what_is_nearer_hides_what_is_behind() -> None:
     assert degrees_between(shown.normals[48, 57], hidden.normals[48, 57]) > 20
 
 
+def test_a_contour_runs_where_a_part_ends_in_front_of_another_and_nowhere_else() -> None:
+    wall, ball = (BOX, (1.0, 1.0, 0.1)), (ELLIPSOID, (0.4, 0.4, 0.4))
+    apart = rendered(solid(wall, ball, centers=[(0, 0, -1), (0, 0, 1)]))
+    row, column = np.nonzero(apart.contours)
+    away = np.hypot(row - 47.5, column - 47.5)
+    assert np.ptp(away) < 2.5
+    assert len(row) > 4 * away.mean()  # all around
+    assert (apart.normals[apart.contours][:, 2] < 0.6).all()  # on the ball's side
+    for lone in (ball, wall, (TORUS, (0.7, 0.25))):
+        assert not rendered(solid(lone)).contours.any()
+    assert not rendered(solid(wall, ball, centers=[(0, 0, 0), (0, 0, 0)])).contours.any()  # grows out of it
+
+
 @pytest.mark.parametrize("quarters", [1, 2, 3])
 def test_a_turned_view_shows_a_turned_picture(quarters: int) -> None:
     parts = (ELLIPSOID, (0.6, 0.4, 0.5)), (CAPSULE, (0.5, 0.2, 0.1))

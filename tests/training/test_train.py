@@ -16,8 +16,9 @@ from toonkit import ToonkitError, light_direction
 from toonkit.estimation.shape_prior import features
 from toonkit.estimation.working_square import SIZE
 from toonkit.training import light_task, shape_task, train
-from toonkit.training.drawings import Drawing, Drawings
+from toonkit.training.drawings import INKED, Drawing, Drawings
 from toonkit.training.light_task import LightTask
+from toonkit.training.network import exported
 from toonkit.training.shape_task import ShapeTask, chord
 from toonkit.training.train import Training, TrainingOptions
 
@@ -37,8 +38,10 @@ def drawings(count: int = 3) -> Drawings:
 class OneBatch(Drawings):
     """The same four drawings in every step."""
 
-    def draw(self, rng: np.random.Generator, *, turned: bool, doubtful: bool = False) -> Drawing:
-        del rng, doubtful
+    def draw(
+        self, rng: np.random.Generator, *, turned: bool, doubtful: bool = False, inked: float = 0.0
+    ) -> Drawing:
+        del rng, doubtful, inked
         object.__setattr__(self, "last", (self.last + 1) % 4)
         return Drawings(self.dataset, 0, len(self.dataset)).draw(
             np.random.default_rng(self.last), turned=turned
@@ -172,11 +175,40 @@ def test_a_training_starts_from_the_average_of_another(tmp_path: Path) -> None:
     for part in (second.network, second.average):
         for name, value in part.state_dict().items():
             assert torch.equal(value, first.average.state_dict()[name])
-    assert [made["options"]["seed"] for made in second.earlier] == [7]
+    assert second.earlier == [first.record]
+    assert "--seed 7" in first.record["command"]
     advanced(second, 1).save(tmp_path / "second.pt")
     third = Training(LightTask(), options())
     third.start_from(tmp_path / "second.pt")
-    assert [(made["step"], made["options"]["seed"]) for made in third.earlier] == [(2, 7), (1, 8)]
+    assert [made["steps"] for made in third.earlier] == [2, 1]
+    assert "--start BEFORE" in third.earlier[1]["command"]
+
+
+@TASKS
+def test_a_training_starts_from_weights_that_ship_and_answers_alike(task) -> None:
+    """Its normalizations count what they see, and change nothing of it."""
+    first = advanced(Training(task(), options()), 2)
+    shipped = exported(first.average)
+    second = Training(task(), options(seed=8))
+    second.start_from_weights(shipped, [first.record], drawings())
+    assert second.earlier == [first.record]
+    for network in (second.network.eval(), second.average):
+        again = exported(network)
+        assert all(np.abs(again[name] - values).max() < 1e-4 for name, values in shipped.items())
+    norm = second.network.encoder.stem.norm
+    assert (norm.running_var > 0).all()
+    assert norm.running_mean.abs().max() > 0.01
+    assert np.allclose(norm.weight.detach() ** 2, norm.running_var + norm.eps, rtol=1e-4)
+
+
+def test_feature_maps_that_weights_do_not_know_count_for_nothing() -> None:
+    shipped = exported(advanced(Training(LightTask(), options()), 1).average)
+    shipped["stem.weight"] = shipped["stem.weight"][:, :-4]  # the last map, in its four parts
+    training = Training(LightTask(), options(seed=8))
+    training.start_from_weights(shipped, [], drawings())
+    again = exported(training.average)["stem.weight"]
+    assert np.abs(again[:, :-4] - shipped["stem.weight"]).max() < 1e-4
+    assert not again[:, -4:].any()
 
 
 @pytest.mark.parametrize(
@@ -214,21 +246,21 @@ def test_a_checkpoint_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch
 
 
 @pytest.mark.parametrize(("task", "doubtful"), [(ShapeTask(), True), (LightTask(), False)])
-def test_only_the_shape_is_learned_under_doubtful_lights_and_none_is_judged_by_them(
+def test_only_the_shape_is_learned_under_doubtful_lights_and_both_are_judged_with_ink_and_without(
     task, doubtful, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     noted = []
     draw = Drawings.draw
 
     def noting(self: Drawings, rng: np.random.Generator, **asked: bool) -> Drawing:
-        noted.append(asked.get("doubtful", False))
+        noted.append((asked.get("doubtful", False), asked["inked"]))
         return draw(self, rng, **asked)
 
     monkeypatch.setattr(Drawings, "draw", noting)
     network = task.network().eval()
     task.loss(network, network, drawings(), np.random.default_rng(0), 4, 0)
     task.figures(network, drawings(), 4)
-    assert noted == [doubtful] * 4 + [False] * 4
+    assert noted == [(doubtful, INKED)] * 4 + [(False, 0.0)] * 4 + [(False, 1.0)] * 4
 
 
 def test_the_network_is_told_how_much_the_light_of_a_drawing_is_in_doubt(
@@ -244,18 +276,22 @@ def test_the_network_is_told_how_much_the_light_of_a_drawing_is_in_doubt(
     network = ShapeTask().network().eval()
     ShapeTask().loss(network, network, drawings(), np.random.default_rng(0), 8, 0)
     rng = np.random.default_rng(0)
-    assert told == [drawings().draw(rng, turned=False, doubtful=True).doubt for _ in range(8)]
+    drawn = [drawings().draw(rng, turned=False, doubtful=True, inked=INKED) for _ in range(8)]
+    assert told == [item.doubt for item in drawn]
     assert 0.0 in told
     assert max(told) > 0.0
+
+
+def unpainted(mask: np.ndarray, truth: np.ndarray) -> Drawing:
+    tones, light = np.zeros(mask.shape, np.float32), light_direction(0, 40).astype(np.float32)
+    return Drawing(tones, np.zeros_like(mask), mask, truth, truth, light, 0.0)
 
 
 def test_the_error_of_tilted_normals_is_their_tilt() -> None:
     mask = np.zeros((SIZE, SIZE), bool)
     mask[20:70, 10:80] = True
     truth = np.where(mask[..., None], np.float32([0, 0, 1]), np.float32(0))
-    item = Drawing(
-        np.zeros(mask.shape, np.float32), mask, truth, truth, light_direction(0, 40).astype(np.float32), 0.0
-    )
+    item = unpainted(mask, truth)
     tilted = light_direction(0, 80).astype(np.float32)
     change = torch.from_numpy(
         np.broadcast_to((tilted - [0, 0, 1])[:, None, None], (3, SIZE, SIZE)).astype(np.float32)
@@ -270,9 +306,7 @@ def test_the_error_of_tilted_normals_is_their_tilt() -> None:
 def test_a_change_away_from_the_viewer_counts_as_one_to_the_rim() -> None:
     mask = np.ones((SIZE, SIZE), bool)
     truth = np.tile(np.float32([1, 0, 0]), (SIZE, SIZE, 1))
-    item = Drawing(
-        np.zeros(mask.shape, np.float32), mask, truth, truth, light_direction(0, 40).astype(np.float32), 0.0
-    )
+    item = unpainted(mask, truth)
     change = torch.zeros(1, 3, SIZE, SIZE)
     change[:, 2] = -5
     assert chord(change, [item], truth[None]).item() == pytest.approx(np.rad2deg(1e-3), rel=1e-3)

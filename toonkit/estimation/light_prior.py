@@ -21,7 +21,7 @@ from toonkit.estimation.working_square import WorkingSquare
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 
-CHANNELS = 6
+CHANNELS = 7
 """Feature maps of `features`."""
 
 LEAST_CONCENTRATION = 0.05
@@ -75,10 +75,10 @@ def believed_light(image: ToonImage, initial_normals: NormalField) -> LightBelie
     """
     overview = Overview.of(reading(image), initial_normals.compact)
     square = WorkingSquare.around(overview.grid, np.array([1.0, 0.0]))
-    mask, tones, initial = overview.seen_from(square)
+    mask, ink, tones, initial = overview.seen_from(square)
     if not mask.any():  # a line thinner than the square's pixels
         return LightBelief(np.array([0.0, 0.0, 1.0]), LEAST_CONCENTRATION)
-    seen = features(tones, mask, initial)
+    seen = features(tones, mask, ink, initial)
     weights = read_weights("light_prior")
     answers = [_undone(summary(weights, turned(seen, *turn)), *turn) for turn in TURNS]
     means = np.array([answer[:3] / np.linalg.norm(answer[:3]) for answer in answers])
@@ -89,7 +89,7 @@ def believed_light(image: ToonImage, initial_normals: NormalField) -> LightBelie
     return LightBelief(total / agreement, float(1.0 / (1.0 / own + 1.0 - agreement)))
 
 
-def features(tones: Array, mask: BoolArray, initial_normals: Array) -> Array:
+def features(tones: Array, mask: BoolArray, ink: BoolArray, initial_normals: Array) -> Array:
     """
     Describe a drawing to the network.
 
@@ -97,15 +97,15 @@ def features(tones: Array, mask: BoolArray, initial_normals: Array) -> Array:
     ----------
     tones : ndarray, shape (SIZE, SIZE)
         Tones in [0, 1] of the painted colors.
-    mask : ndarray of bool, shape (SIZE, SIZE)
-        The object.
+    mask, ink : ndarray of bool, shape (SIZE, SIZE)
+        The object, and where ink hides its paint.
     initial_normals : ndarray, shape (SIZE, SIZE, 3)
         N0.
 
     Returns
     -------
     ndarray of float32, shape (CHANNELS, SIZE, SIZE)
-        Mask, N0, tone and rank, zero beside the object.
+        Mask, N0, tone, rank and ink, zero beside the object.
     """
     ranks = ToneRanks.of(tones[mask])
     seen = np.zeros((CHANNELS, *mask.shape), np.float32)
@@ -113,6 +113,7 @@ def features(tones: Array, mask: BoolArray, initial_normals: Array) -> Array:
     seen[1:4] = np.moveaxis(initial_normals, -1, 0)
     seen[4][mask] = ranks.tone
     seen[5][mask] = ranks.rank
+    seen[6] = ink
     return seen * mask
 
 

@@ -33,6 +33,8 @@ class Overview:
         bool, which of those blocks are on the grid.
     tones : ndarray, shape (Q,)
         Median tone of each block, plain: a narrow transition is taken for a mixture if it is one at this size.
+    ink : ndarray, shape (Q,)
+        bool, the blocks of whose object ink touches at least half.
     initial : ndarray, shape (Q, 3)
         Mean of N0 in each block, unit vectors.
     """
@@ -41,6 +43,7 @@ class Overview:
     steps: list[Coarsening]
     filled: BoolArray
     tones: FloatArray
+    ink: BoolArray
     initial: FloatArray
 
     @classmethod
@@ -60,17 +63,23 @@ class Overview:
         if steps:
             medians = _block_medians(read, grid.mask.shape, factor)[mask]
             tones = PaintedTones.of(np.repeat(medians[:, None], 3, axis=1), reduced).plain  # as grays
-        return cls(reduced, steps, filled, tones, _directions(steps, initial)[filled])
+        ink = np.zeros(reduced.size, np.bool_)
+        if read.line_art is not None:
+            touched = np.zeros(read.grid.size)
+            touched[read.line_art.pixels] = 1.0
+            ink = (2 * _block_sums(steps, touched) >= area)[filled]
+        return cls(reduced, steps, filled, tones, ink, _directions(steps, initial)[filled])
 
     @property
     def factor(self) -> int:
         """Pixels to a block's side."""
         return 1 << len(self.steps)
 
-    def seen_from(self, square: WorkingSquare) -> tuple[BoolArray, Array, Array]:
-        """Mask, tones and N0 on a square of the overview; zero beside the object."""
+    def seen_from(self, square: WorkingSquare) -> tuple[BoolArray, BoolArray, Array, Array]:
+        """Mask, ink, tones and N0 on a square of the overview; zero beside the object."""
         blocks = square.sampled_pixels(self.grid)
-        return blocks != OUTSIDE, _sampled(self.tones, blocks), _sampled(self.initial, blocks)
+        ink = _sampled(self.ink, blocks) > 0
+        return blocks != OUTSIDE, ink, _sampled(self.tones, blocks), _sampled(self.initial, blocks)
 
     def normals_from(self, square: WorkingSquare, normals: FloatArray) -> Array:
         """Other normals (P, 3) of the drawing on a square of the overview; zero beside the object."""
@@ -117,7 +126,7 @@ def _directions(steps: list[Coarsening], vectors: FloatArray) -> FloatArray:
     return total / np.maximum(length, 1e-9)
 
 
-def _sampled(values: FloatArray, blocks: IndexArray) -> Array:
+def _sampled(values: FloatArray | BoolArray, blocks: IndexArray) -> Array:
     """Values (Q, ...) of blocks (S, S); zero where there is none."""
     there = blocks != OUTSIDE
     sampled = np.zeros((*blocks.shape, *values.shape[1:]), np.float32)

@@ -28,15 +28,15 @@ from toonkit.model.normals import NormalField
 from toonkit.numerics.bands import run_each
 from toonkit.numerics.unit_field import moved
 
-LOOKS = (((1.0, False),), ((1.03, True), (1.06, False)))
+LOOKS = (((1.0, True), (1.045, False)), ((1.03, True), (1.06, False)))
 """Squares on which the network is asked, look after look: how much wider than the object needs, and whether mirrored across
 the light. At the second look it sees what its first answer makes of the colors; the mean of two hangs less on where the
-pixels of a square happen to lie."""
+pixels of a square happen to lie. Two on two cores take as long as one."""
 
 FINER = 2
 """How much finer than those squares the one is on which the answers meet."""
 
-CHANNELS = 14
+CHANNELS = 15
 """Feature maps of `features`."""
 
 DAMPING = 0.25
@@ -134,13 +134,14 @@ class _View:
 
     Attributes
     ----------
-    seen_mask, tones, initial : ndarray, shape (SIZE, SIZE) or (SIZE, SIZE, 3)
+    seen_mask, ink, tones, initial : ndarray, shape (SIZE, SIZE) or (SIZE, SIZE, 3)
         What is there; N0 in the square's axes.
     elevation : float
         Of the light, radians.
     """
 
     seen_mask: BoolArray
+    ink: BoolArray
     tones: Array
     initial: Array
     elevation: float
@@ -148,13 +149,13 @@ class _View:
     @classmethod
     def of(cls, overview: Overview, light: FloatArray, square: WorkingSquare) -> _View:
         """Sample a drawing's tones and N0."""
-        mask, tones, initial = overview.seen_from(square)
+        mask, ink, tones, initial = overview.seen_from(square)
         elevation = float(np.arctan2(light[2], np.hypot(*light[:2])))
-        return cls(mask, tones, square.turned(initial), elevation)
+        return cls(mask, ink, tones, square.turned(initial), elevation)
 
     def features(self, normals: Array) -> Array:
         """Return the features, given normals as far as they are known."""
-        return features(self.tones, self.seen_mask, normals, self.initial, self.elevation)
+        return features(self.tones, self.seen_mask, self.ink, normals, self.initial, self.elevation)
 
     def need(self) -> float:
         """Return how much of a change is called for, 0 to 1: none if N0 explains the picture, or nothing is to be seen."""
@@ -190,6 +191,7 @@ def _resampled(field: NDArray[Any], wider: float, size: int) -> FloatArray:
 def features(
     tones: Array,
     mask: BoolArray,
+    ink: BoolArray,
     normals: Array,
     initial_normals: Array,
     elevation: float,
@@ -202,8 +204,8 @@ def features(
     ----------
     tones : ndarray, shape (SIZE, SIZE)
         Tones in [0, 1] of the painted colors.
-    mask : ndarray of bool, shape (SIZE, SIZE)
-        The object.
+    mask, ink : ndarray of bool, shape (SIZE, SIZE)
+        The object, and where ink hides its paint.
     normals, initial_normals : ndarray, shape (SIZE, SIZE, 3)
         Normals as far as they are known, and N0; the light's azimuth is zero.
     elevation : float
@@ -216,8 +218,8 @@ def features(
     -------
     ndarray of float32, shape (CHANNELS, SIZE, SIZE)
         Mask, normals, N0, illumination, the interval of illumination that rank matching on these normals gives each
-        color (Figure 4), tone, rank, and the light's sine and cosine, damped by exp(-doubt / DAMPING); zero beside the
-        object.
+        color (Figure 4), tone, rank, the light's sine and cosine, damped by exp(-doubt / DAMPING), and ink; zero beside
+        the object.
     """
     sine, cosine = np.sin(elevation), np.cos(elevation)
     shining = cosine * normals[..., 0] + sine * normals[..., 2]
@@ -234,6 +236,7 @@ def features(
     seen[11][mask] = ranks.rank
     told = np.exp(-doubt / DAMPING)
     seen[12], seen[13] = told * sine, told * cosine
+    seen[14] = ink
     seen *= mask
     return seen
 

@@ -8,7 +8,6 @@ import platform
 import signal
 import sys
 from collections.abc import Callable
-from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 from types import FrameType
@@ -18,13 +17,13 @@ import numpy as np
 from tqdm import tqdm
 
 from toonkit._validation import ToonkitError, refuse
+from toonkit.estimation.convolution import Weights
 from toonkit.export.atomic import atomic_write
 from toonkit.training.dataset import Dataset, make_dataset
 from toonkit.training.drawings import Drawings
 from toonkit.training.light_task import LightTask
-from toonkit.training.network import exported
 from toonkit.training.shape_task import ShapeTask
-from toonkit.training.train import Task, Training, TrainingOptions
+from toonkit.training.train import FIGURES, TOLD, Task, Training, TrainingOptions
 
 TASKS: dict[str, type[Task]] = {"shape": ShapeTask, "light": LightTask}
 
@@ -35,6 +34,8 @@ KEPT_ASIDE = 400
 
 CHECKED_EVERY = 500
 """Steps between two checkpoints, with figures."""
+
+STARTED_FROM = "started from"
 
 FIGURE_DRAWINGS = 256
 """Drawings of the shapes kept aside over which the figures are means."""
@@ -61,7 +62,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "-o", "--output", type=Path, required=True, help="folder of shapes, checkpoints and weights"
     )
-    parser.add_argument("--start", type=Path, help="checkpoint of an earlier training to begin with")
+    parser.add_argument(
+        "--start", type=Path, help="checkpoint (.pt) of an earlier training to begin with, or weights (.npz)"
+    )
     parser.add_argument(
         "--shapes", type=int, default=usual.shapes, help="random shapes to render (default: %(default)s)"
     )
@@ -71,6 +74,13 @@ def _parser() -> argparse.ArgumentParser:
     for option, help_text in (("steps", "steps of training"), ("batch", "drawings in a step")):
         defaults = ", ".join(f"{DEFAULTS[task][option]} for the {task}" for task in DEFAULTS)
         parser.add_argument(f"--{option}", type=int, help=f"{help_text} (default: {defaults})")
+    parser.add_argument(
+        "--rate", type=float, default=usual.rate, help="highest learning rate (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--keep", type=float, default=usual.keep,
+        help="share of the weights (.npz) it started from in what it writes (default: %(default)s)",
+    )  # fmt: skip
     parser.add_argument(
         "--seed", type=int, default=usual.seed, help="seed of weights and drawings (default: %(default)s)"
     )
@@ -88,20 +98,27 @@ def _train(given: argparse.Namespace) -> None:
             raise refuse(
                 f"--{option.replace('_', '-')}", f"must be at least {lowest}", getattr(given, option)
             )
+    if not 0.0 < given.rate < 1.0:
+        raise refuse("--rate", "must be between 0 and 1", given.rate)
+    if not 0.0 <= given.keep < 1.0:
+        raise refuse("--keep", "must be at least 0 and less than 1", given.keep)
+    if given.keep and (given.start is None or given.start.suffix != ".npz"):
+        raise refuse("--keep", "needs weights (.npz) to --start from", given.keep)
     if given.start is not None and not given.start.is_file():
-        raise refuse("--start", "must be a checkpoint that exists", given.start)
+        raise refuse("--start", "must be a file that exists", given.start)
     if given.output.exists() and not given.output.is_dir():
         raise refuse("--output", "must be a folder", given.output)
     dataset = _dataset(given)
-    options = {name: getattr(given, name) for name in ("steps", "batch", "seed", "shapes", "shape_seed")}
-    training = Training(TASKS[given.task](), TrainingOptions(**options))
+    training = Training(TASKS[given.task](), TrainingOptions(**{name: getattr(given, name) for name in TOLD}))
     checkpoint = given.output / f"{training.task.name}.pt"
+    learned, aside = Drawings(dataset, KEPT_ASIDE, len(dataset)), Drawings(dataset, 0, KEPT_ASIDE)
     if checkpoint.exists():
         training.load(checkpoint)
+    elif given.start is not None and given.start.suffix == ".npz":
+        training.start_from_weights(*_stored_weights(given.start), learned)
     elif given.start is not None:
         training.start_from(given.start)
     stopping = _asked_to_stop()
-    learned, aside = Drawings(dataset, KEPT_ASIDE, len(dataset)), Drawings(dataset, 0, KEPT_ASIDE)
     with tqdm(total=given.steps, initial=training.step, desc=f"training {given.task}", unit="step") as bar:
         while training.step < given.steps:
             bar.set_postfix(error=f"{training.advance(learned):.1f}°", refresh=False)
@@ -113,7 +130,10 @@ def _train(given: argparse.Namespace) -> None:
             if stopping():
                 training.save(checkpoint)
                 raise KeyboardInterrupt
-    _write_weights(given, training)
+    mixed = None
+    if training.options.keep:
+        mixed = training.task.figures(training.shipped_network(), aside, FIGURE_DRAWINGS)
+    _write_weights(given, training, mixed)
 
 
 def _dataset(given: argparse.Namespace) -> Dataset:
@@ -126,44 +146,38 @@ def _dataset(given: argparse.Namespace) -> Dataset:
     )
 
 
-def _write_weights(given: argparse.Namespace, training: Training) -> None:
-    """Write the averaged weights as 16-bit numbers, and beside them how they were made."""
+def _stored_weights(path: Path) -> tuple[Weights, list[dict[str, Any]]]:
+    """Read weights that `_write_weights` wrote, and the records of the trainings that made them, the first one first."""
+    made = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+    last = {name: made[name] for name in ("command", "seconds", FIGURES)}
+    last["steps"] = made[FIGURES][-1]["step"]
+    with np.load(path) as stored:
+        weights = {layer: stored[layer].astype(np.float32) for layer in stored.files}
+    return weights, [*made.get(STARTED_FROM, []), last]
+
+
+def _write_weights(given: argparse.Namespace, training: Training, mixed: dict[str, float] | None) -> None:
+    """Write the averaged weights as 16-bit numbers, and beside them how they were made; figures of a mixture apart."""
     name = training.task.name
-    weights = {layer: values.astype(np.float16) for layer, values in exported(training.average).items()}
+    weights = {layer: values.astype(np.float16) for layer, values in training.shipped().items()}
     path = given.output / f"{name}.npz"
     provenance: dict[str, Any] = {
-        "command": _command(given.task, asdict(training.options), started=bool(training.earlier)),
-        "data": "random solids of toonkit.training.solids, painted by random color maps of toonkit.training.painting",
+        **training.record,
+        "data": "random solids of toonkit.training.solids, painted by random color maps of toonkit.training.painting, "
+        "inked by toonkit.training.inking",
         "parameters": int(sum(values.size for values in weights.values())),
-        "seconds": round(training.seconds),
         "processor": platform.processor() or platform.machine(),
         "versions": {package: version(package) for package in ("torch", "numpy")},
-        "figures, degrees, on shapes kept aside": training.history,
     }
+    if mixed is not None:
+        provenance[f"{FIGURES}, with what was kept"] = mixed
     if training.earlier:
-        provenance["started from"] = [
-            {
-                "command": _command(given.task, made["options"], started=order > 0),
-                "steps": made["step"],
-                "seconds": round(made["seconds"]),
-                "figures, degrees, on shapes kept aside": made["history"],
-            }
-            for order, made in enumerate(training.earlier)
-        ]
+        provenance[STARTED_FROM] = training.earlier
     with atomic_write(path) as file:
         np.savez(file, allow_pickle=False, **weights)
     with atomic_write(path.with_suffix(".json")) as file:
         file.write((json.dumps(provenance, indent=2) + "\n").encode())
     print(f"Weights in {path}; toonkit/estimation/weights/ is where they ship.")
-
-
-def _command(task: str, options: dict[str, Any], *, started: bool) -> str:
-    words = [
-        f"--{name.replace('_', '-')} {options[name]}"
-        for name in ("shapes", "shape_seed", "steps", "batch", "seed")
-    ]
-    start = ["--start CHECKPOINT"] if started else []
-    return " ".join([f"python -m toonkit.training {task} -o DIR", *start, *words])
 
 
 def _asked_to_stop() -> Callable[[], bool]:

@@ -38,26 +38,29 @@ class Dataset:
         The truth and N0; zero beside the object.
     masks : ndarray of bool, shape (n, SIZE, SIZE)
         The object.
+    contours : ndarray of bool, shape (n, SIZE, SIZE)
+        Where it ends in front of another part of itself.
     """
 
     normals: NDArray[np.float16]
     initial_normals: NDArray[np.float16]
     masks: BoolArray
+    contours: BoolArray
 
     def __len__(self) -> int:
         return len(self.masks)
 
-    def view(self, index: int, variant: int) -> tuple[Array, Array, BoolArray]:
-        """Return truth, N0 and mask of a shape in one of the eight turns and reflections of a square."""
-        mask = self.masks[index]
+    def view(self, index: int, variant: int) -> tuple[Array, Array, BoolArray, BoolArray]:
+        """Return truth, N0, mask and contours of a shape in one of the eight turns and reflections of a square."""
+        places = [self.masks[index], self.contours[index]]
         fields = [field[index].astype(np.float32) for field in (self.normals, self.initial_normals)]
         if variant >= 4:  # a reflection left to right
-            mask = mask[:, ::-1]
+            places = [place[:, ::-1] for place in places]
             fields = [field[:, ::-1] * np.array([-1, 1, 1], np.float32) for field in fields]
         for _ in range(variant % 4):  # a quarter turn counter-clockwise: (x, y) becomes (-y, x)
-            mask = np.rot90(mask)
+            places = [np.rot90(place) for place in places]
             fields = [np.rot90(field)[..., [1, 0, 2]] * np.array([-1, 1, 1], np.float32) for field in fields]
-        return fields[0], fields[1], mask
+        return fields[0], fields[1], places[0], places[1]
 
 
 def make_dataset(
@@ -131,7 +134,9 @@ def cut_off(rng: np.random.Generator) -> Rendered | None:
     border = np.concatenate([mask[0], mask[-1], mask[:, 0], mask[:, -1]])
     if max(extents) < 0.9 * side or mask.sum() < 0.2 * side**2 or not border.any():
         return None
-    return Rendered(whole.normals[rows, columns], mask, whole.coverage[rows, columns])
+    return Rendered(
+        whole.normals[rows, columns], mask, whole.coverage[rows, columns], whole.contours[rows, columns]
+    )
 
 
 def _place(mask: BoolArray) -> tuple[slice, slice]:
@@ -152,7 +157,7 @@ def _make_shard(folder: Path, seed: int, shard: int) -> int:
     rng = np.random.default_rng([seed, shard])
     normals = np.zeros((SHARD, SIZE, SIZE, 3), np.float16)
     initial = np.zeros_like(normals)
-    masks = np.zeros((SHARD, SIZE, SIZE), np.bool_)
+    masks, contours = np.zeros((2, SHARD, SIZE, SIZE), np.bool_)
     done = 0
     while done < SHARD:
         rendered = cut_off(rng) if rng.random() < CUT_OFF else render_solid(random_solid(rng), SIZE)
@@ -164,8 +169,9 @@ def _make_shard(folder: Path, seed: int, shard: int) -> int:
             continue
         rows, columns = _place(rendered.mask)
         normals[done, rows, columns], masks[done, rows, columns] = rendered.normals, rendered.mask
+        contours[done, rows, columns] = rendered.contours
         initial[done, rows, columns] = np.nan_to_num(inflated.vectors)
         done += 1
     with atomic_write(_path(folder, seed, shard)) as file:
-        np.savez(file, normals=normals, initial_normals=initial, masks=masks)
+        np.savez(file, normals=normals, initial_normals=initial, masks=masks, contours=contours)
     return shard

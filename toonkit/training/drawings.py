@@ -1,4 +1,4 @@
-"""Drawings to learn from: a shape of the dataset, turned, lit and painted at random."""
+"""Drawings to learn from: a shape of the dataset, turned, lit, painted and perhaps inked at random."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.convolution import Array
 from toonkit.model.light import light_direction
 from toonkit.training.dataset import Dataset
+from toonkit.training.inking import random_ink, uninked
 from toonkit.training.painting import random_ramp
 
 ELEVATIONS = (12.0, 88.0)
@@ -21,6 +22,9 @@ DOUBTFUL = 0.5
 DOUBTS = (1.5, 30.0)
 """Standard deviations of such a light about each of two axes, degrees: small ones as often as large ones."""
 
+INKED = 0.4
+"""Share of the drawings to learn from that have line art."""
+
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
@@ -30,7 +34,9 @@ class Drawing:
     Attributes
     ----------
     tones : ndarray of float32, shape (S, S)
-        As painted.
+        As painted; under ink those of the nearest paint that shows, as in `toonkit.estimation.line_art`.
+    ink : ndarray of bool, shape (S, S)
+        Where ink hides the paint.
     mask : ndarray of bool, shape (S, S)
         The object.
     initial_normals, normals : ndarray of float32, shape (S, S, 3)
@@ -43,6 +49,7 @@ class Drawing:
     """
 
     tones: Array
+    ink: BoolArray
     mask: BoolArray
     initial_normals: Array
     normals: Array
@@ -67,10 +74,30 @@ class Drawings:
     first: int
     last: int
 
-    def draw(self, rng: np.random.Generator, *, turned: bool, doubtful: bool = False) -> Drawing:
-        """Draw one, lit from any azimuth if `turned`, otherwise from the right; if `doubtful`, often only approximately."""
+    def draw(
+        self, rng: np.random.Generator, *, turned: bool, doubtful: bool = False, inked: float = 0.0
+    ) -> Drawing:
+        """
+        Draw one.
+
+        Parameters
+        ----------
+        rng : Generator
+            Source of every choice.
+        turned : bool
+            Whether the light may come from any azimuth; otherwise it comes from the right.
+        doubtful : bool, optional
+            Whether it is often known only approximately.
+        inked : float, optional
+            Probability of line art.
+
+        Returns
+        -------
+        Drawing
+            The drawing.
+        """
         which, variant = int(rng.integers(self.first, self.last)), int(rng.integers(8))
-        normals, initial, mask = self.dataset.view(which, variant)
+        normals, initial, mask, contours = self.dataset.view(which, variant)
         azimuth = rng.uniform(0.0, 360.0) if turned else 0.0
         light = light_direction(azimuth, rng.uniform(*ELEVATIONS))
         ramp = random_ramp(rng)
@@ -78,7 +105,11 @@ class Drawings:
         if doubtful and rng.random() < DOUBTFUL:
             doubt = float(np.deg2rad(np.exp(rng.uniform(*np.log(DOUBTS)))))
         tones = ramp(normals @ tilted(light, doubt, rng).astype(np.float32)).astype(np.float32)
-        return Drawing(tones, mask, initial, normals, light.astype(np.float32), doubt)
+        ink = np.zeros_like(mask)
+        if rng.random() < inked:
+            ink = random_ink(mask, contours, normals, rng)
+        shown = uninked(tones, ink, mask)
+        return Drawing(shown, ink, mask, initial, normals, light.astype(np.float32), doubt)
 
 
 def tilted(light: FloatArray, doubt: float, rng: np.random.Generator) -> FloatArray:

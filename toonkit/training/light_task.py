@@ -8,8 +8,8 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from toonkit.estimation.light_prior import CERTAINTIES, LEAST_CONCENTRATION, features
-from toonkit.training.drawings import Drawings
-from toonkit.training.network import LightNetwork
+from toonkit.training.drawings import INKED, Drawings
+from toonkit.training.network import LightNetwork, fast_arithmetic
 
 
 class LightTask:
@@ -32,24 +32,20 @@ class LightTask:
     ) -> tuple[Tensor, float]:
         """Return the loss of a batch, and its mean error in degrees."""
         del average, step
-        seen, light = _batch(drawings, [rng] * size)
-        with torch.autocast("cpu", torch.bfloat16):
+        seen, light = _batch(drawings, [rng] * size, INKED)
+        with fast_arithmetic():
             answer = network(seen)
         likelihood, error = _compared(answer.float(), light)
         return -likelihood.mean(), float(error.mean())
 
     def figures(self, average: nn.Module, drawings: Drawings, count: int) -> dict[str, float]:
-        """Return figures over `count` drawings that never change: error in degrees, mean, median and of the surest half."""
-        errors, certain = [], []
-        for first in range(0, count, 64):
-            seen, light = _batch(
-                drawings, [np.random.default_rng([k]) for k in range(first, min(first + 64, count))]
-            )
-            with torch.no_grad():
-                answer = average(seen)
-            errors.append(_compared(answer, light)[1])
-            certain.append(answer[:, 3])
-        error, sure = torch.cat(errors), torch.cat(certain)
+        """
+        Return figures over `count` drawings that never change.
+
+        Errors in degrees: mean, median and of the surest half without ink, and the mean in ink.
+        """
+        error, sure = _judged(average, drawings, count, inked=0.0)
+        in_ink, _ = _judged(average, drawings, count, inked=1.0)
         order = torch.argsort(sure, descending=True)
         surest, rest = order.tensor_split(2)
         return {
@@ -57,12 +53,26 @@ class LightTask:
             "median": float(error.median()),
             "surest half": float(error[surest].mean()),
             "rest": float(error[rest].mean()),
+            "mean, in ink": float(in_ink.mean()),
         }
 
 
-def _batch(drawings: Drawings, generators: list[np.random.Generator]) -> tuple[Tensor, Tensor]:
-    items = [drawings.draw(rng, turned=True) for rng in generators]
-    seen = np.stack([features(item.tones, item.mask, item.initial_normals) for item in items])
+def _judged(average: nn.Module, drawings: Drawings, count: int, *, inked: float) -> tuple[Tensor, Tensor]:
+    """Errors in degrees, and how sure the network was of each."""
+    errors, certain = [], []
+    for first in range(0, count, 64):
+        generators = [np.random.default_rng([k]) for k in range(first, min(first + 64, count))]
+        seen, light = _batch(drawings, generators, inked)
+        with torch.no_grad():
+            answer = average(seen)
+        errors.append(_compared(answer, light)[1])
+        certain.append(answer[:, 3])
+    return torch.cat(errors), torch.cat(certain)
+
+
+def _batch(drawings: Drawings, generators: list[np.random.Generator], inked: float) -> tuple[Tensor, Tensor]:
+    items = [drawings.draw(rng, turned=True, inked=inked) for rng in generators]
+    seen = np.stack([features(item.tones, item.mask, item.ink, item.initial_normals) for item in items])
     light = torch.from_numpy(np.stack([item.light for item in items]))
     return torch.from_numpy(seen).contiguous(memory_format=torch.channels_last), light
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -16,6 +16,12 @@ from toonkit.estimation.convolution import LEVELS, Weights
 SHAPE_WIDTHS = (64, 104, 128, 144)
 LIGHT_WIDTHS = (32, 64, 80, 96)
 """Feature maps at each level, fine to coarse."""
+
+
+def fast_arithmetic() -> torch.autocast:
+    """Let the layers compute in 16 bits where the processor does that fast; elsewhere it takes many times as long."""
+    capable = torch.backends.cpu.get_cpu_capability().startswith("AVX512")
+    return torch.autocast("cpu", torch.bfloat16, enabled=capable)
 
 
 class Layer(nn.Module):
@@ -108,6 +114,60 @@ class LightNetwork(nn.Module):
         coarse = self.encoder(seen)[-1]
         pooled = torch.cat([coarse.mean((2, 3)), coarse.amax((2, 3))], 1)
         return self.out(functional.relu(self.hidden(pooled)))
+
+
+def take_over(network: nn.Module, weights: Weights) -> None:
+    """
+    Make a network answer as exported weights do; feature maps that were added since, at the end, count for nothing.
+
+    Normalizations do nothing at first: see `normalized`.
+    """
+    for name, module in network.named_modules():
+        if not (isinstance(module, Layer | nn.Linear) or name == "out"):
+            continue
+        key = name.removeprefix("encoder.")
+        weight, bias = (torch.from_numpy(weights[f"{key}.{part}"]) for part in ("weight", "bias"))
+        with torch.no_grad():
+            if isinstance(module, Layer):
+                module.convolution.weight.zero_()
+                module.convolution.weight[:, : weight.shape[1]] = weight
+                module.norm.bias.copy_(bias)
+                module.norm.running_mean.zero_()
+                module.norm.running_var.fill_(1.0 - module.norm.eps)
+            else:
+                module.weight.copy_(weight)
+                module.bias.copy_(bias)
+
+
+def normalized(network: nn.Module, run: Callable[[], object]) -> None:
+    """
+    Let the normalizations of a network do what they are for, without a change of its answers.
+
+    Parameters
+    ----------
+    network : Module
+        In evaluation mode, its normalizations as `take_over` leaves them.
+    run : callable
+        Runs it on typical features, of whose states each normalization takes mean and variance.
+    """
+    measured: dict[nn.BatchNorm2d, tuple[Tensor, Tensor]] = {}
+
+    def measure(norm: nn.Module, entering: tuple[Tensor, ...]) -> None:
+        state = entering[0].detach().float()
+        assert isinstance(norm, nn.BatchNorm2d)
+        measured[norm] = state.mean((0, 2, 3)), state.var((0, 2, 3))
+
+    norms = [module.norm for module in network.modules() if isinstance(module, Layer)]
+    hooks = [norm.register_forward_pre_hook(measure) for norm in norms]
+    with torch.no_grad():
+        run()
+        for norm, (mean, variance) in measured.items():
+            norm.running_mean.copy_(mean)
+            norm.running_var.copy_(variance)
+            norm.bias += mean
+            norm.weight.copy_(torch.sqrt(variance + norm.eps))
+    for hook in hooks:
+        hook.remove()
 
 
 def exported(network: nn.Module) -> Weights:

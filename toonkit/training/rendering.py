@@ -24,6 +24,9 @@ _MAX_STEPS = 400  # along steep waves that a ray grazes
 _ARRIVED = 0.02  # of a pixel
 _LEAST_STEP = 4.0  # times that: a chord so short along a grazed surface is lower than a 10000th of a pixel
 _DIFFERENCE = 2e-4
+_STEEPEST = (
+    0.35  # smallest z of a normal by which the slope of a nearer side is taken: at its rim it has no end
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,11 +42,14 @@ class Rendered:
         Where a pixel's center meets the object.
     coverage : ndarray, shape (size, size)
         Share of each pixel that the object covers, at least one half exactly on the mask.
+    contours : ndarray of bool, shape (size, size)
+        Pixels at which the object ends in front of another part of itself.
     """
 
     normals: FloatArray
     mask: BoolArray
     coverage: FloatArray
+    contours: BoolArray
 
 
 def render_solid(solid: Solid, size: int) -> Rendered | None:
@@ -83,7 +89,19 @@ def render_solid(solid: Solid, size: int) -> Rendered | None:
     if mask.sum() < 0.03 * size * size:
         return None
     normals = _normals(x, y, z, *fields)
-    return Rendered(normals, mask, _coverage(x, y, pixel, mask, fields))
+    return Rendered(normals, mask, _coverage(x, y, pixel, mask, fields), _contours(z / pixel, normals))
+
+
+def _contours(depth: FloatArray, normals: FloatArray) -> BoolArray:
+    """Tell where the depth, in pixels, falls to a neighbor by more than the slopes of both explain."""
+    sideways = np.hypot(normals[..., 0], normals[..., 1])
+    own, behind = (sideways / np.maximum(normals[..., 2], least) for least in (_STEEPEST, 1e-6))
+    contours = np.zeros(depth.shape, np.bool_)
+    for axis in (0, 1):
+        first, last = (np.s_[:-1], np.s_[1:]) if axis == 0 else (np.s_[:, :-1], np.s_[:, 1:])
+        for here, there in ((first, last), (last, first)):
+            contours[here] |= depth[here] - depth[there] > own[here] + behind[there] + 1.0
+    return contours
 
 
 def _edges(axis: int, extents: list[FloatArray], step: float, fields: tuple[object, ...]) -> FloatArray:

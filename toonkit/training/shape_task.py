@@ -8,8 +8,8 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from toonkit.estimation.shape_prior import completed, features
-from toonkit.training.drawings import Drawing, Drawings
-from toonkit.training.network import ShapeNetwork
+from toonkit.training.drawings import INKED, Drawing, Drawings
+from toonkit.training.network import ShapeNetwork, fast_arithmetic
 
 SECOND_LOOK_FROM = 500
 """Steps before half of each batch shows the network its own first answer."""
@@ -37,30 +37,37 @@ class ShapeTask:
         step: int,
     ) -> tuple[Tensor, float]:
         """Return the loss of a batch, and its mean error in degrees."""
-        items = [drawings.draw(rng, turned=False, doubtful=True) for _ in range(size)]
+        items = [drawings.draw(rng, turned=False, doubtful=True, inked=INKED) for _ in range(size)]
         seen, normals = _first_look(items)
         if step >= SECOND_LOOK_FROM:
             half = size // 2
             seen[:half], normals[:half] = _second_look(items[:half], _answer(average, seen[:half]))
-        with torch.autocast("cpu", torch.bfloat16):
+        with fast_arithmetic():
             change = network(_channels_last(seen))
         error = chord(change.float(), items, normals)
         before = chord(torch.zeros_like(change, dtype=torch.float32), items, normals)
         return (error / torch.sqrt(before.clamp_min(BALANCE))).mean(), float(error.detach().mean())
 
     def figures(self, average: nn.Module, drawings: Drawings, count: int) -> dict[str, float]:
-        """Return mean errors over `count` drawings that never change, degrees: of N0, after one look and after two."""
-        sums = np.zeros(3)
-        for k in range(count):
-            items = [drawings.draw(np.random.default_rng([k]), turned=False)]
-            seen, normals = _first_look(items)
-            sums[0] += float(chord(torch.zeros(1, 3, *seen.shape[2:]), items, normals))
-            change = _answer(average, seen)
-            sums[1] += float(chord(torch.from_numpy(change), items, normals))
-            seen, normals = _second_look(items, change)
-            sums[2] += float(chord(torch.from_numpy(_answer(average, seen)), items, normals))
-        n0, once, twice = (sums / count).tolist()
-        return {"initial": n0, "one look": once, "two looks": twice}
+        """Return mean errors over `count` drawings that never change, degrees: of N0, after one look, two, and so in ink."""
+        errors = [_judged(average, drawings, count, inked=inked) for inked in (0.0, 1.0)]
+        names = ("initial", "one look", "two looks")
+        return {**dict(zip(names, errors[0], strict=True)), "two looks, in ink": errors[1][-1]}
+
+
+def _judged(average: nn.Module, drawings: Drawings, count: int, *, inked: float) -> list[float]:
+    """Mean errors in degrees of N0, after one look and after two."""
+    errors: list[list[Tensor]] = [[], [], []]
+    for first in range(0, count, 32):
+        generators = [np.random.default_rng([k]) for k in range(first, min(first + 32, count))]
+        items = [drawings.draw(rng, turned=False, inked=inked) for rng in generators]
+        seen, normals = _first_look(items)
+        change = _answer(average, seen)
+        errors[0].append(chord(torch.zeros(change.shape), items, normals))
+        errors[1].append(chord(torch.from_numpy(change), items, normals))
+        seen, normals = _second_look(items, change)
+        errors[2].append(chord(torch.from_numpy(_answer(average, seen)), items, normals))
+    return [float(torch.cat(parts).mean()) for parts in errors]
 
 
 def chord(change: Tensor, items: list[Drawing], normals: np.ndarray) -> Tensor:
@@ -93,12 +100,14 @@ def _seen(items: list[Drawing], normals: np.ndarray) -> np.ndarray:
     rows = []
     for item, now in zip(items, normals, strict=True):
         elevation = float(np.arctan2(item.light[2], item.light[0]))
-        rows.append(features(item.tones, item.mask, now, item.initial_normals, elevation, item.doubt))
+        rows.append(
+            features(item.tones, item.mask, item.ink, now, item.initial_normals, elevation, item.doubt)
+        )
     return np.stack(rows)
 
 
 def _answer(average: nn.Module, seen: np.ndarray) -> np.ndarray:
-    with torch.no_grad(), torch.autocast("cpu", torch.bfloat16):
+    with torch.no_grad(), fast_arithmetic():
         return np.asarray(average(_channels_last(seen)).float())
 
 

@@ -13,11 +13,19 @@ import torch
 from torch import Tensor, nn
 
 from toonkit._validation import refuse
+from toonkit.estimation.convolution import Weights
 from toonkit.export.atomic import atomic_write
 from toonkit.training.drawings import Drawings
+from toonkit.training.network import exported, normalized, take_over
 
 AVERAGING = 0.998
 """What is kept of the averaged weights at each step; the average is what ships."""
+
+
+TOLD = ("shapes", "shape_seed", "steps", "batch", "rate", "keep", "seed")
+"""Options that a record names."""
+
+FIGURES = "figures, degrees, on shapes kept aside"
 
 
 class Task(Protocol):
@@ -63,6 +71,9 @@ class TrainingOptions:
         Steps over which it rises.
     decay : float
         Weight decay.
+    keep : float
+        Share, in what ships, of the weights it was started from: their mean with the ones they became forgets less of
+        what those were good at.
     seed : int
         Of weights and drawings.
     shapes, shape_seed : int
@@ -74,6 +85,7 @@ class TrainingOptions:
     rate: float = 2e-3
     warmup: int = 200
     decay: float = 0.02
+    keep: float = 0.0
     seed: int = 7
     shapes: int = 9000
     shape_seed: int = 3
@@ -100,6 +112,19 @@ class Training:
         self.seconds = 0.0
         self.history: list[dict[str, float]] = []
         self.earlier: list[dict[str, Any]] = []
+        self.begun: dict[str, Tensor] = {}
+
+    def start_from_weights(self, weights: Weights, made: list[dict[str, Any]], drawings: Drawings) -> None:
+        """Begin with weights as they ship, made by earlier trainings; the drawings show what to normalize."""
+        take_over(self.network, weights)
+        self.begun = {name: torch.from_numpy(values) for name, values in exported(self.network).items()}
+        rng = np.random.default_rng([self.options.seed])
+        batch = (drawings, rng, self.options.batch, 0)
+        self.network.eval()
+        normalized(self.network, lambda: self.task.loss(self.network, self.average, *batch))
+        self.network.train()
+        self.average.load_state_dict(self.network.state_dict())
+        self.earlier = made
 
     def start_from(self, path: Path) -> None:
         """
@@ -117,8 +142,21 @@ class Training:
             )
         self.network.load_state_dict(state["average"])
         self.average.load_state_dict(state["average"])
-        made = {name: state[name] for name in ("options", "step", "seconds", "history")}
-        self.earlier = [*state["earlier"], made]
+        self.earlier = [*state["earlier"], state["record"]]
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """What to say of this training: its command, steps, seconds and figures."""
+        given = asdict(self.options)
+        words = [f"--{name.replace('_', '-')} {given[name]}" for name in TOLD]
+        start = ["--start BEFORE"] if self.earlier else []
+        kind = self.task.name.removesuffix("_prior")
+        return {
+            "command": " ".join([f"python -m toonkit.training {kind} -o DIR", *start, *words]),
+            "steps": self.step,
+            "seconds": round(self.seconds),
+            FIGURES: self.history,
+        }
 
     def advance(self, drawings: Drawings) -> float:
         """Take one step; return the mean error of its batch, degrees."""
@@ -141,6 +179,20 @@ class Training:
         self.seconds += time.perf_counter() - started
         return error
 
+    def shipped(self) -> Weights:
+        """Return the averaged weights, mixed with those it was started from as far as they are to be kept."""
+        keep = self.options.keep if self.begun else 0.0
+        return {
+            name: (1.0 - keep) * values + keep * self.begun[name].numpy() if keep else values
+            for name, values in exported(self.average).items()
+        }
+
+    def shipped_network(self) -> nn.Module:
+        """Return a network that answers as what ships does."""
+        network = self.task.network()
+        take_over(network, self.shipped())
+        return network.eval()
+
     def save(self, path: Path) -> None:
         """Write a checkpoint, whole or not at all."""
         state = {
@@ -153,6 +205,8 @@ class Training:
             "seconds": self.seconds,
             "history": self.history,
             "earlier": self.earlier,
+            "record": self.record,
+            "begun": self.begun,
         }
         with atomic_write(path) as file:
             torch.save(state, file)
@@ -175,7 +229,7 @@ class Training:
         self.average.load_state_dict(state["average"])
         self.optimizer.load_state_dict(state["optimizer"])
         self.step, self.seconds = state["step"], state["seconds"]
-        self.history, self.earlier = state["history"], state["earlier"]
+        self.history, self.earlier, self.begun = state["history"], state["earlier"], state["begun"]
 
     def _rate(self) -> float:
         options = self.options
