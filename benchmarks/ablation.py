@@ -19,8 +19,10 @@ import pandas as pd
 
 from benchmarks.shape_rows import Row, measured_rows, write_rows
 from toonkit import METHODS, ToonAnalysis
-from toonkit.estimation.color_map_fit import illumination_interval
-from toonkit.estimation.refinement import Refinement, RefinementOptions, refine
+from toonkit.estimation.color_map_fit import allowed_interval, painted_interval
+from toonkit.estimation.energy import ShadingTerm
+from toonkit.estimation.reading import reading
+from toonkit.estimation.refinement import Refinement, RefinementOptions, refine_traced
 from toonkit.estimation.shape_prior import LOOKS, correct_shape
 from toonkit.methods import Method
 from toonkit.methods.steps import inflated
@@ -78,10 +80,12 @@ def varied(
         return steps.finished("varied", Refinement(corrected, NOT_REFINED))
     if color_map is None:
         return steps.finished("varied", steps.refined(corrected, None, options))
-    interval = illumination_interval(image, color_map)
-    refinement = refine(
-        corrected, steps.light, interval, alpha=image.alpha, options=options, progress=steps.refining
-    )
+    read = reading(image)
+    allowed = allowed_interval(read.tones, color_map)
+    refinement = refine_traced(
+        read.silhouette, corrected, ShadingTerm(steps.light, allowed.lower, allowed.upper), grid=read.grid,
+        painted=painted_interval(read.tones, color_map, allowed), options=options,
+    )  # fmt: skip
     return replace(steps.finished("varied", refinement), color_map=color_map)
 
 

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from tests.analytic import LIGHT, ellipse
-from toonkit import NormalField, RefinementOptions, ToonImage, ToonkitError, refine
+from toonkit import METHODS, NormalField, RefinementOptions, ToonImage, ToonkitError, refine
 from toonkit.estimation.color_map_fit import allowed_interval, painted_interval
 from toonkit.estimation.edges import edge_links
 from toonkit.estimation.reading import reading
+from toonkit.estimation.refinement import refine_traced
+from toonkit.methods import steps
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.numerics.masked_grid import OUTSIDE, RIGHT, MaskedGrid
 
@@ -59,7 +61,10 @@ def test_the_links_across_a_crease_let_go_and_the_others_do_not():
 def test_a_link_is_the_same_from_both_ends():
     ball = ellipse(12, 9)
     grid = MaskedGrid(ball.mask)
-    links = crease_links(grid, ball.normals.vectors[ball.mask], 2.0)
+    lower = np.random.default_rng(5).uniform(-1, 0.9, grid.size)
+    painted = IlluminationInterval(lower, lower + 0.1)
+    links = edge_links(grid, ball.normals.vectors[ball.mask], painted, turn=2.0, jump=0.3)
+    assert np.ptp(links[grid.neighbors != OUTSIDE]) > 0.5
     here = np.flatnonzero(grid.neighbors[:, RIGHT] != OUTSIDE)
     assert np.array_equal(links[here, RIGHT], links[grid.neighbors[here, RIGHT], 2])
 
@@ -120,7 +125,7 @@ def test_bands_that_follow_each_other_are_held_together():
 
 def test_the_link_between_colors_that_skip_a_band_lets_go_alone():
     stiff = to_the_right(striped([0.2] * 4 + [0.9] * 4))
-    assert stiff[3] < 0.002  # half of the illumination apart, 25 times what halves it
+    assert stiff[3] < 0.002  # a third of all illumination apart
     assert np.delete(stiff, 3).min() > 0.9
 
 
@@ -128,6 +133,26 @@ def test_a_mixed_pixel_between_such_colors_does_not_join_them():
     stiff = to_the_right(striped([0.2] * 4 + [0.62] + [0.9] * 4))
     assert stiff[3] < 0.002  # it counts for the brighter band
     assert np.delete(stiff, 3).min() > 0.9
+
+
+def test_an_analysis_tells_edges_by_colors_without_their_mixtures(monkeypatch):
+    image = striped([0.2] * 6 + [0.62] + [0.9] * 6 + [0.5] * 6, rows=12)
+    seen = []
+
+    def watched(*arguments, painted, **others):
+        seen.append((arguments[2], painted))
+        return refine_traced(*arguments, painted=painted, **others)
+
+    monkeypatch.setattr(steps, "refine_traced", watched)
+    METHODS["classical"](image, LIGHT)
+    ((shading, painted),) = seen
+    mixed = reading(image).tones.mixed
+    assert mixed.sum() == 12
+    assert (
+        painted.lower[mixed] > shading.lower[mixed] + 0.1
+    ).all()  # it spans both bands, and belongs to the brighter one
+    assert np.array_equal(painted.lower[~mixed], shading.lower[~mixed])
+    assert np.array_equal(painted.upper, shading.upper)
 
 
 def test_the_sides_of_a_drawn_line_are_neighbors_of_each_other():

@@ -250,9 +250,10 @@ def test_what_is_kept_of_the_weights_it_started_from_is_in_what_it_writes(
     made = json.loads((folder / f"{kind}_prior.json").read_text(encoding="utf-8"))
     assert "--keep 0.75" in made["command"]
     figures = "figures, degrees, on shapes kept aside"
-    mixed, last = made[f"{figures}, with what was kept"], made[figures][-1]
-    assert mixed.keys() == last.keys() - {"step"}
-    assert mixed != {name: last[name] for name in mixed}
+    assert [entry["step"] for entry in made[figures]] == [0, 2, 4, 5, 5]
+    *_, last, mixed = made[figures]
+    assert mixed["kept"] == 0.75
+    assert mixed.keys() - {"kept"} == last.keys()
     options = {"seed": 8, "keep": 0.75, "start": output / f"{kind}_prior.npz"}
     assert run(kind, folder, **options) == 0  # from its checkpoint
     assert differing(weights_in(folder, kind), written[1]) == []
@@ -261,14 +262,29 @@ def test_what_is_kept_of_the_weights_it_started_from_is_in_what_it_writes(
         assert written[1][name] == pytest.approx(mixed, abs=2e-3 * np.abs(mixed).max())  # of 16-bit numbers
 
 
-def test_a_checkpoint_of_another_task_is_no_start(output: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("ending", "words"),
+    [
+        ("pt", "start must be a checkpoint of the shape_prior; got one of the light_prior"),
+        ("npz", "start must be weights of the shape_prior; got those of another network"),
+    ],
+)
+def test_what_another_task_learned_is_no_start(
+    ending: str, words: str, output: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     run("light", output)
     capsys.readouterr()
-    assert run("shape", output, start=output / "light_prior.pt") == 2
-    said = capsys.readouterr().err.splitlines()[-1]
-    assert (
-        said == "toonkit.training: start must be a checkpoint of the shape_prior; got one of the light_prior"
-    )
+    assert run("shape", output, start=output / f"light_prior.{ending}") == 2
+    assert capsys.readouterr().err.splitlines()[-1] == f"toonkit.training: {words}"
+
+
+def test_weights_without_their_record_are_no_start(output: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run("light", output)
+    (output / "light_prior.json").unlink()
+    (output / "light_prior.pt").unlink()
+    capsys.readouterr()
+    assert run("light", output, start=output / "light_prior.npz") == 2
+    assert "must have its record light_prior.json beside it" in capsys.readouterr().err.splitlines()[-1]
 
 
 @pytest.mark.parametrize("changed", [{"seed": 8}, {"batch": 5}, {"steps": 9}])

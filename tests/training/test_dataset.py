@@ -69,6 +69,15 @@ def test_shards_that_are_there_are_read_and_not_rendered_again(
     assert same(made(tmp_path), first)
 
 
+def test_a_shard_from_before_shapes_had_contours_is_made_again(tmp_path: Path) -> None:
+    first = made(tmp_path)
+    shard = tmp_path / "shapes-5-00001.npz"
+    with np.load(shard) as stored:
+        older = {name: stored[name] for name in stored.files if name != "contours"}
+    np.savez(shard, **older)
+    assert same(made(tmp_path), first)
+
+
 def test_a_missing_shard_is_made_again_as_it_was(tmp_path: Path) -> None:
     first = made(tmp_path)
     shard = tmp_path / "shapes-5-00001.npz"

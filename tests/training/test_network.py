@@ -107,10 +107,18 @@ def test_every_parameter_learns(network: type[nn.Module]) -> None:
     assert idle == []
 
 
-@pytest.mark.parametrize(("capability", "kind"), [("AVX512", torch.bfloat16), ("AVX2", torch.float32)])
+@pytest.mark.parametrize(
+    ("able", "kind"),
+    [
+        ({"avx512_f": True, "avx512_bf16": True}, torch.bfloat16),
+        ({"amx_bf16": True}, torch.bfloat16),
+        ({"avx512_f": True, "avx512_bf16": False}, torch.float32),
+        ({"architecture": "aarch64"}, torch.float32),
+    ],
+)
 def test_layers_compute_in_16_bits_where_that_is_fast(
-    capability: str, kind: torch.dtype, monkeypatch: pytest.MonkeyPatch
+    able: dict[str, object], kind: torch.dtype, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(torch.backends.cpu, "get_cpu_capability", lambda: capability)
+    monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: able)
     with torch.no_grad(), fast_arithmetic():
         assert ShapeNetwork()(torch.zeros(1, shape_prior.CHANNELS, SIDE, SIDE)).dtype == kind

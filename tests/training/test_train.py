@@ -201,6 +201,21 @@ def test_a_training_starts_from_weights_that_ship_and_answers_alike(task) -> Non
     assert np.allclose(norm.weight.detach() ** 2, norm.running_var + norm.eps, rtol=1e-4)
 
 
+def test_nothing_can_be_kept_of_no_start() -> None:
+    with pytest.raises(ToonkitError, match=r"keep needs weights to start from; got 0\.5"):
+        Training(LightTask(), options(keep=0.5)).shipped()
+
+
+def test_a_network_that_answers_as_what_ships_is_the_mean_of_both() -> None:
+    shipped = exported(advanced(Training(LightTask(), options()), 1).average)
+    training = Training(LightTask(), options(seed=8, keep=0.25))
+    training.start_from_weights(shipped, [], drawings())
+    advanced(training, 2)
+    mixed, last = exported(training.shipped_network()), exported(training.average)
+    for name, values in shipped.items():
+        assert np.allclose(mixed[name], 0.25 * values + 0.75 * last[name], atol=1e-5)
+
+
 def test_feature_maps_that_weights_do_not_know_count_for_nothing() -> None:
     shipped = exported(advanced(Training(LightTask(), options()), 1).average)
     shipped["stem.weight"] = shipped["stem.weight"][:, :-4]  # the last map, in its four parts

@@ -41,6 +41,7 @@ def edge_links(
     The ranges of two bands that follow each other in the color map meet. Colors that meet in the picture though others lie
     between them are no shading bands of one smooth surface: there runs a contour, at which one part of the object ends in
     front of another, or a crease. The sides of a drawn line count as neighbors, as the paint beneath it is that beside it.
+    Where a soft shading is so steep that neighbors skip a part of it, as close to a rim, links loosen too.
     """
     links = np.empty(grid.neighbors.shape, np.float32)
     grid.bands.run(

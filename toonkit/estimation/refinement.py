@@ -128,7 +128,8 @@ def refine(
     light : array_like, shape (3,)
         Direction from the surface to the light.
     interval : IlluminationInterval
-        Range of illumination that each pixel's color allows, bounds of shape (H, W).
+        Range of illumination that each pixel's color allows, bounds of shape (H, W). Where those of neighbors lie apart runs
+        an edge; a mixed pixel whose range spans both sides hides it.
     alpha : array_like, shape (H, W), optional
         Coverage in [0, 1], which places the outline between pixels; the mask's own by default.
     options : RefinementOptions, optional

@@ -118,6 +118,9 @@ def _train(given: argparse.Namespace) -> None:
         training.start_from_weights(*_stored_weights(given.start), learned)
     elif given.start is not None:
         training.start_from(given.start)
+    if training.step == 0 and training.earlier and not training.history:
+        figures = training.task.figures(training.average, aside, FIGURE_DRAWINGS)
+        training.history.append({"step": 0, **figures})
     stopping = _asked_to_stop()
     with tqdm(total=given.steps, initial=training.step, desc=f"training {given.task}", unit="step") as bar:
         while training.step < given.steps:
@@ -130,10 +133,11 @@ def _train(given: argparse.Namespace) -> None:
             if stopping():
                 training.save(checkpoint)
                 raise KeyboardInterrupt
-    mixed = None
+    history = training.history
     if training.options.keep:
         mixed = training.task.figures(training.shipped_network(), aside, FIGURE_DRAWINGS)
-    _write_weights(given, training, mixed)
+        history = [*history, {"step": training.step, "kept": training.options.keep, **mixed}]
+    _write_weights(given, training, history)
 
 
 def _dataset(given: argparse.Namespace) -> Dataset:
@@ -148,29 +152,31 @@ def _dataset(given: argparse.Namespace) -> Dataset:
 
 def _stored_weights(path: Path) -> tuple[Weights, list[dict[str, Any]]]:
     """Read weights that `_write_weights` wrote, and the records of the trainings that made them, the first one first."""
-    made = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
-    last = {name: made[name] for name in ("command", "seconds", FIGURES)}
-    last["steps"] = made[FIGURES][-1]["step"]
+    record = path.with_suffix(".json")
+    if not record.is_file():
+        raise refuse("--start", f"must have its record {record.name} beside it", path)
+    made = json.loads(record.read_text(encoding="utf-8"))
+    last = {"command": made["command"], "steps": made[FIGURES][-1]["step"]}
+    last |= {name: made[name] for name in ("seconds", FIGURES)}
     with np.load(path) as stored:
         weights = {layer: stored[layer].astype(np.float32) for layer in stored.files}
     return weights, [*made.get(STARTED_FROM, []), last]
 
 
-def _write_weights(given: argparse.Namespace, training: Training, mixed: dict[str, float] | None) -> None:
-    """Write the averaged weights as 16-bit numbers, and beside them how they were made; figures of a mixture apart."""
+def _write_weights(given: argparse.Namespace, training: Training, history: list[dict[str, float]]) -> None:
+    """Write the averaged weights as 16-bit numbers, and beside them how they were made."""
     name = training.task.name
     weights = {layer: values.astype(np.float16) for layer, values in training.shipped().items()}
     path = given.output / f"{name}.npz"
     provenance: dict[str, Any] = {
         **training.record,
+        FIGURES: history,
         "data": "random solids of toonkit.training.solids, painted by random color maps of toonkit.training.painting, "
         "inked by toonkit.training.inking",
         "parameters": int(sum(values.size for values in weights.values())),
         "processor": platform.processor() or platform.machine(),
         "versions": {package: version(package) for package in ("torch", "numpy")},
     }
-    if mixed is not None:
-        provenance[f"{FIGURES}, with what was kept"] = mixed
     if training.earlier:
         provenance[STARTED_FROM] = training.earlier
     with atomic_write(path) as file:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -53,14 +53,14 @@ class Dataset:
     def view(self, index: int, variant: int) -> tuple[Array, Array, BoolArray, BoolArray]:
         """Return truth, N0, mask and contours of a shape in one of the eight turns and reflections of a square."""
         places = [self.masks[index], self.contours[index]]
-        fields = [field[index].astype(np.float32) for field in (self.normals, self.initial_normals)]
+        arrays = [field[index].astype(np.float32) for field in (self.normals, self.initial_normals)]
         if variant >= 4:  # a reflection left to right
             places = [place[:, ::-1] for place in places]
-            fields = [field[:, ::-1] * np.array([-1, 1, 1], np.float32) for field in fields]
+            arrays = [array[:, ::-1] * np.array([-1, 1, 1], np.float32) for array in arrays]
         for _ in range(variant % 4):  # a quarter turn counter-clockwise: (x, y) becomes (-y, x)
             places = [np.rot90(place) for place in places]
-            fields = [np.rot90(field)[..., [1, 0, 2]] * np.array([-1, 1, 1], np.float32) for field in fields]
-        return fields[0], fields[1], places[0], places[1]
+            arrays = [np.rot90(array)[..., [1, 0, 2]] * np.array([-1, 1, 1], np.float32) for array in arrays]
+        return arrays[0], arrays[1], places[0], places[1]
 
 
 def make_dataset(
@@ -94,7 +94,7 @@ def make_dataset(
     """
     folder.mkdir(parents=True, exist_ok=True)
     shards = range(-(-count // SHARD))
-    missing = [k for k in shards if not _path(folder, seed, k).exists()]
+    missing = [k for k in shards if not _is_whole(_path(folder, seed, k))]
     if missing:
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
             for _ in progress(pool.map(partial(_make_shard, folder, seed), missing), len(missing)):
@@ -151,6 +151,14 @@ def _place(mask: BoolArray) -> tuple[slice, slice]:
 
 def _path(folder: Path, seed: int, shard: int) -> Path:
     return folder / f"shapes-{seed}-{shard:05d}.npz"
+
+
+def _is_whole(path: Path) -> bool:
+    """Tell whether a shard is there, with all that shapes have by now."""
+    if not path.exists():
+        return False
+    with np.load(path) as stored:
+        return set(stored.files) == {part.name for part in fields(Dataset)}
 
 
 def _make_shard(folder: Path, seed: int, shard: int) -> int:

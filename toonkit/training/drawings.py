@@ -23,7 +23,7 @@ DOUBTS = (1.5, 30.0)
 """Standard deviations of such a light about each of two axes, degrees: small ones as often as large ones."""
 
 INKED = 0.4
-"""Share of the drawings to learn from that have line art."""
+"""Share of the drawings to learn from that have line art, where there is room for it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +89,7 @@ class Drawings:
         doubtful : bool, optional
             Whether it is often known only approximately.
         inked : float, optional
-            Probability of line art.
+            Probability of line art, where there is room for it.
 
         Returns
         -------

@@ -12,7 +12,7 @@ WIDTHS = (0.6, 3.2)
 """Pixels of the square that an outline hides, with what is mixed with it: thin ones as often as wide ones."""
 
 KEPT = 0.8
-"""Share of the interior contours that are drawn."""
+"""Share of the parts of contours and edges that are drawn, in a drawing that has such lines."""
 
 SHARPEST = 0.6
 """Cosine of the turn between neighbors from which on an edge may be drawn as a line."""
@@ -21,7 +21,7 @@ LINES = (0.85, 0.3, 0.5)
 """Shares of the drawings that have lines along contours, lines along sharp edges, and marks that follow nothing."""
 
 MOST = 0.3
-"""Share of the object that ink hides at most."""
+"""Share of the object that ink hides at most: what is hardly wider than its lines stays without."""
 
 
 def random_ink(mask: BoolArray, contours: BoolArray, normals: Array, rng: np.random.Generator) -> BoolArray:

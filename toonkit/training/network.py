@@ -19,9 +19,11 @@ LIGHT_WIDTHS = (32, 64, 80, 96)
 
 
 def fast_arithmetic() -> torch.autocast:
-    """Let the layers compute in 16 bits where the processor does that fast; elsewhere it takes many times as long."""
-    capable = torch.backends.cpu.get_cpu_capability().startswith("AVX512")
-    return torch.autocast("cpu", torch.bfloat16, enabled=capable)
+    """Let the layers compute in 16 bits where the processor can; where that is emulated it takes many times as long."""
+    able = torch.cpu.get_capabilities()
+    return torch.autocast(
+        "cpu", torch.bfloat16, enabled=any(able.get(name, False) for name in ("avx512_bf16", "amx_bf16"))
+    )
 
 
 class Layer(nn.Module):

@@ -41,7 +41,9 @@ class ShapeTask:
         seen, normals = _first_look(items)
         if step >= SECOND_LOOK_FROM:
             half = size // 2
-            seen[:half], normals[:half] = _second_look(items[:half], _answer(average, seen[:half]))
+            with fast_arithmetic():
+                change = _answer(average, seen[:half])
+            seen[:half], normals[:half] = _second_look(items[:half], change)
         with fast_arithmetic():
             change = network(_channels_last(seen))
         error = chord(change.float(), items, normals)
@@ -49,7 +51,7 @@ class ShapeTask:
         return (error / torch.sqrt(before.clamp_min(BALANCE))).mean(), float(error.detach().mean())
 
     def figures(self, average: nn.Module, drawings: Drawings, count: int) -> dict[str, float]:
-        """Return mean errors over `count` drawings that never change, degrees: of N0, after one look, two, and so in ink."""
+        """Return mean errors over `count` drawings that never change, degrees: of N0, after one look, after two, in ink."""
         errors = [_judged(average, drawings, count, inked=inked) for inked in (0.0, 1.0)]
         names = ("initial", "one look", "two looks")
         return {**dict(zip(names, errors[0], strict=True)), "two looks, in ink": errors[1][-1]}
@@ -107,7 +109,7 @@ def _seen(items: list[Drawing], normals: np.ndarray) -> np.ndarray:
 
 
 def _answer(average: nn.Module, seen: np.ndarray) -> np.ndarray:
-    with torch.no_grad(), fast_arithmetic():
+    with torch.no_grad():
         return np.asarray(average(_channels_last(seen)).float())
 
 

@@ -96,7 +96,7 @@ class Training:
     A network, its optimizer and how far they are.
 
     Step k draws its batch from (seed, k) alone: a training that was interrupted goes on as if it had not been. What it
-    was started from, if from anything, is in `earlier`: options, steps, seconds and figures of each training before.
+    was started from, if from anything, is in `earlier`: the record of each training before.
     """
 
     def __init__(self, task: Task, options: TrainingOptions) -> None:
@@ -115,7 +115,22 @@ class Training:
         self.begun: dict[str, Tensor] = {}
 
     def start_from_weights(self, weights: Weights, made: list[dict[str, Any]], drawings: Drawings) -> None:
-        """Begin with weights as they ship, made by earlier trainings; the drawings show what to normalize."""
+        """
+        Begin with weights as they ship, made by earlier trainings; the drawings show what to normalize.
+
+        Raises
+        ------
+        ToonkitError
+            If the weights are of another network.
+        """
+        known = exported(self.network)
+        fitting = weights.keys() == known.keys() and all(
+            weights[name].shape[:1] + weights[name].shape[2:] == values.shape[:1] + values.shape[2:]
+            and (weights[name].shape == values.shape or name == "stem.weight")
+            for name, values in known.items()
+        )
+        if not fitting:
+            raise refuse("start", f"must be weights of the {self.task.name}", "those of another network")
         take_over(self.network, weights)
         self.begun = {name: torch.from_numpy(values) for name, values in exported(self.network).items()}
         rng = np.random.default_rng([self.options.seed])
@@ -181,7 +196,9 @@ class Training:
 
     def shipped(self) -> Weights:
         """Return the averaged weights, mixed with those it was started from as far as they are to be kept."""
-        keep = self.options.keep if self.begun else 0.0
+        keep = self.options.keep
+        if keep and not self.begun:
+            raise refuse("keep", "needs weights to start from", keep)
         return {
             name: (1.0 - keep) * values + keep * self.begun[name].numpy() if keep else values
             for name, values in exported(self.average).items()
@@ -223,8 +240,8 @@ class Training:
         state = torch.load(path, weights_only=True)
         made = {"task": state["task"], **state["options"]}
         for name, value in {"task": self.task.name, **asdict(self.options)}.items():
-            if made[name] != value:
-                raise refuse(name, f"must be {made[name]}, as in the checkpoint {path.name}", value)
+            if made.get(name) != value:
+                raise refuse(name, f"must be {made.get(name)}, as in the checkpoint {path.name}", value)
         self.network.load_state_dict(state["network"])
         self.average.load_state_dict(state["average"])
         self.optimizer.load_state_dict(state["optimizer"])
