@@ -49,7 +49,7 @@ def test_the_sidecar_tells_how_the_table_was_made():
     assert known["refinement_as_printed"]["max_sweeps"] == 500
     measured = [
         run["trials"] for run in known["runs"]
-    ]  # None: what a run had measured when it was interrupted
+    ]  # None: a run that was killed cannot tell
     assert measured[-1] is not None
     assert None in measured or sum(measured) >= len(load_trials(STUDY))  # a later run replaces rows
 

@@ -123,13 +123,7 @@ class Training:
         ToonkitError
             If the weights are of another network.
         """
-        known = exported(self.network)
-        fitting = weights.keys() == known.keys() and all(
-            weights[name].shape[:1] + weights[name].shape[2:] == values.shape[:1] + values.shape[2:]
-            and (weights[name].shape == values.shape or name == "stem.weight")
-            for name, values in known.items()
-        )
-        if not fitting:
+        if _leaving(weights) != _leaving(exported(self.network)):
             raise refuse("start", f"must be weights of the {self.task.name}", "those of another network")
         take_over(self.network, weights)
         self.begun = {name: torch.from_numpy(values) for name, values in exported(self.network).items()}
@@ -253,3 +247,8 @@ class Training:
         rising = min((self.step + 1) / options.warmup, 1.0)
         falling = 0.5 + 0.5 * np.cos(np.pi * min(self.step / options.steps, 1.0))
         return float(options.rate * rising * falling)
+
+
+def _leaving(weights: Weights) -> dict[str, tuple[int, ...]]:
+    """Return what tells one network from another: the maps that leave each layer, and its size; not those that enter."""
+    return {name: (len(values), *values.shape[2:]) for name, values in weights.items()}
