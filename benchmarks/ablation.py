@@ -23,7 +23,7 @@ from toonkit.estimation.color_map_fit import allowed_interval, painted_interval
 from toonkit.estimation.energy import ShadingTerm
 from toonkit.estimation.reading import reading
 from toonkit.estimation.refinement import Refinement, RefinementOptions, refine_traced
-from toonkit.estimation.shape_prior import LOOKS, correct_shape
+from toonkit.estimation.shape_prior import correct_shape
 from toonkit.methods import Method
 from toonkit.methods.steps import inflated
 from toonkit.methods.toonkit import OPTIONS
@@ -52,7 +52,6 @@ def variants(painting: Painting) -> dict[str, Method]:
         "classical": METHODS["classical"],
         "learned shape alone": functools.partial(varied, refined=False),
         "toonkit": METHODS["toonkit"],
-        "toonkit, one look": functools.partial(varied, looks=1),
         "toonkit without integrability": functools.partial(
             varied, options=replace(OPTIONS, integrability_length=0.0)
         ),
@@ -68,14 +67,13 @@ def varied(
     light,
     *,
     progress=None,
-    looks: int = len(LOOKS),
     refined: bool = True,
     options: RefinementOptions = OPTIONS,
     color_map: ColorMap | None = None,
 ) -> ToonAnalysis:
     """Analyze as `toonkit` does, but for what is asked for; a given color map is the one refined by and relit with."""
     steps = inflated(image, light, progress)
-    corrected = correct_shape(image, steps.light, steps.initial_normals, looks=looks)
+    corrected = correct_shape(image, steps.light, steps.initial_normals)
     if not refined:
         return steps.finished("varied", Refinement(corrected, NOT_REFINED))
     if color_map is None:

@@ -118,16 +118,15 @@ def test_an_unknown_method_and_a_bare_array_are_refused(egg):
         analyze(image.color, LIGHT)
 
 
-# What was learned looks at the earlier shape instead of its own first answer, and sees it a little differently.
-@pytest.mark.parametrize(("method", "apart"), [("toonkit", 1.5), ("classical", 0.5)])
-def test_under_a_light_nearby_an_earlier_answer_leads_to_the_same_shape(egg, method, apart):
+@pytest.mark.parametrize("method", ["toonkit", "classical"])
+def test_under_a_light_nearby_an_earlier_answer_leads_to_the_same_shape(egg, method):
     shape, image = egg
     nearby = toonkit.light_direction(*np.add(toonkit.light_angles(LIGHT), [4.0, -3.0]))
     earlier = analyze(image, LIGHT, method=method)
     again = analyze(image, nearby, method=method, previous=earlier)
     afresh = analyze(image, nearby, method=method)
     assert again.report.iterations <= afresh.report.iterations
-    assert angular_error(again.normals, afresh.normals).mean < apart
+    assert angular_error(again.normals, afresh.normals).mean < 0.5
     off = [angular_error(found.normals, shape.normals).mean for found in (again, afresh)]
     assert off[0] < off[1] + 0.3
 

@@ -47,9 +47,7 @@ def test_the_sidecar_tells_how_the_table_was_made():
     assert known["digests"]["method"] == now, "a method has changed: toonkit study run runs its trials again"
     assert known["digests"]["light_track"]["given"] == light_track_digests()["given"]
     assert known["refinement_as_printed"]["max_sweeps"] == 500
-    measured = [
-        run["trials"] for run in known["runs"]
-    ]  # None: a run that was killed cannot tell
+    measured = [run["trials"] for run in known["runs"]]  # None: a run that was killed cannot tell
     assert measured[-1] is not None
     assert None in measured or sum(measured) >= len(load_trials(STUDY))  # a later run replaces rows
 

@@ -81,10 +81,6 @@ class Overview:
         ink = _sampled(self.ink, blocks) > 0
         return blocks != OUTSIDE, ink, _sampled(self.tones, blocks), _sampled(self.initial, blocks)
 
-    def normals_from(self, square: WorkingSquare, normals: FloatArray) -> Array:
-        """Other normals (P, 3) of the drawing on a square of the overview; zero beside the object."""
-        return _sampled(_directions(self.steps, normals)[self.filled], square.sampled_pixels(self.grid))
-
 
 def _halvings(grid: MaskedGrid) -> list[Coarsening]:
     steps: list[Coarsening] = []

@@ -28,15 +28,14 @@ from toonkit.model.normals import NormalField
 from toonkit.numerics.bands import run_each
 from toonkit.numerics.unit_field import moved
 
-LOOKS = (((1.0, True), (1.045, False)), ((1.03, True), (1.06, False)))
-"""Squares on which the network is asked, look after look: how much wider than the object needs, and whether mirrored across
-the light. At the second look it sees what its first answer makes of the colors; the mean of two hangs less on where the
-pixels of a square happen to lie. Two on two cores take as long as one."""
+SQUARES = ((1.0, True), (1.045, False))
+"""Squares on which the network is asked: how much wider than the object needs, and whether mirrored across the light. The
+mean of two hangs less on where the pixels of a square happen to lie; on two cores they take as long as one."""
 
 FINER = 2
 """How much finer than those squares the one is on which the answers meet."""
 
-CHANNELS = 15
+CHANNELS = 12
 """Feature maps of `features`."""
 
 DAMPING = 0.25
@@ -46,14 +45,7 @@ NEGLIGIBLE = 0.005
 """Illumination by which normals may miss what the colors allow, root mean square, and still be taken for right."""
 
 
-def correct_shape(
-    image: ToonImage,
-    light: FloatArray,
-    initial_normals: NormalField,
-    *,
-    looks: int = len(LOOKS),
-    guess: NormalField | None = None,
-) -> NormalField:
+def correct_shape(image: ToonImage, light: FloatArray, initial_normals: NormalField) -> NormalField:
     """
     Correct initial normals by what the network has learned of shapes.
 
@@ -65,10 +57,6 @@ def correct_shape(
         Unit vector from the surface to the light.
     initial_normals : NormalField
         N0.
-    looks : int, optional
-        Looks that the network takes.
-    guess : NormalField, optional
-        Normals near the answer, such as those of the same picture under a light nearby: they stand for the first look's.
 
     Returns
     -------
@@ -79,19 +67,14 @@ def correct_shape(
     initial = initial_normals.compact
     overview = Overview.of(read, initial)
     square = WorkingSquare.around(overview.grid, light[:2])
-    head_on = _View.of(overview, light, square)
-    change = np.zeros_like(head_on.initial)
-    if guess is not None:
-        change = head_on.change_to(square.turned(overview.normals_from(square, guess.compact)))
 
-    def answered(factor: float, mirrored: bool) -> FloatArray:
-        view = _View.of(overview, light, square.widened(factor))
-        seen = view.answered(_resampled(change, 1.0 / factor, SIZE), mirrored=mirrored)
-        return _resampled(seen, factor, FINER * SIZE)
+    def answered(wider: float, mirrored: bool) -> FloatArray:
+        view = _View.of(overview, light, square.widened(wider))
+        return _resampled(view.answered(mirrored=mirrored), wider, FINER * SIZE)
 
-    for look in LOOKS[:looks] if guess is None else LOOKS[1:looks]:
-        change = np.mean(run_each([partial(answered, *asked) for asked in look]), axis=0)
-    spread = square.enlarged(overview.factor).spread(square.turned_back(head_on.need() * change), read.grid)
+    change = np.mean(run_each([partial(answered, *asked) for asked in SQUARES]), axis=0)
+    change *= _View.of(overview, light, square).need()
+    spread = square.enlarged(overview.factor).spread(square.turned_back(change), read.grid)
     return NormalField.of_pixels(moved(read.grid, initial, spread), image.mask)
 
 
@@ -111,8 +94,8 @@ def misfit(image: ToonImage, lights: FloatArray, initial_normals: NormalField) -
     Returns
     -------
     ndarray, shape (n,)
-        On normals corrected at one look, the mean square by which the illumination misses the intervals that rank matching
-        gives the colors, relative to the illumination's variance; 1 if there is nothing to be seen.
+        On normals corrected as the network answers, the mean square by which the illumination misses the intervals that
+        rank matching gives the colors, relative to the illumination's variance; 1 if there is nothing to be seen.
     """
     overview = Overview.of(reading(image), initial_normals.compact)
 
@@ -120,9 +103,8 @@ def misfit(image: ToonImage, lights: FloatArray, initial_normals: NormalField) -
         view = _View.of(overview, light, WorkingSquare.around(overview.grid, light[:2]))
         if not view.seen_mask.any():
             return 1.0
-        normals = completed(view.initial + view.answered(np.zeros_like(view.initial), mirrored=False))
-        seen = view.features(normals * view.seen_mask[..., None])
-        return _missed(seen) / max(float(np.var(seen[7][view.seen_mask])), 1e-12)
+        seen = view.features(completed(view.initial + view.answered(mirrored=False)))
+        return _missed(seen) / max(float(np.var(seen[4][view.seen_mask])), 1e-12)
 
     return np.array(run_each([partial(missed, light) for light in lights]))
 
@@ -153,9 +135,9 @@ class _View:
         elevation = float(np.arctan2(light[2], np.hypot(*light[:2])))
         return cls(mask, ink, tones, square.turned(initial), elevation)
 
-    def features(self, normals: Array) -> Array:
-        """Return the features, given normals as far as they are known."""
-        return features(self.tones, self.seen_mask, self.ink, normals, self.initial, self.elevation)
+    def features(self, normals: NDArray[Any]) -> Array:
+        """Return the features, given normals."""
+        return features(self.tones, self.seen_mask, self.ink, normals, self.elevation)
 
     def need(self) -> float:
         """Return how much of a change is called for, 0 to 1: none if N0 explains the picture, or nothing is to be seen."""
@@ -164,20 +146,14 @@ class _View:
         missed = _missed(self.features(self.initial))
         return missed / (missed + NEGLIGIBLE**2)
 
-    def answered(self, change: NDArray[Any], *, mirrored: bool) -> Array:
-        """Return the change of N0, (SIZE, SIZE, 3), that the network makes of an earlier one; filled in off the object."""
+    def answered(self, *, mirrored: bool) -> Array:
+        """Return the change of N0, (SIZE, SIZE, 3), that the network asks for; beside the object as at its nearest pixel."""
         if not self.seen_mask.any():
             return np.zeros_like(self.initial)
-        normals = completed(self.initial + change) * self.seen_mask[..., None]
-        answer = _answer(read_weights("shape_prior"), self.features(normals), mirrored=mirrored)
-        return self.change_to(completed(normals + answer))
-
-    def change_to(self, normals: Array) -> Array:
-        """Return how N0 is changed by normals of the object, (SIZE, SIZE, 3); beside it as it is at the nearest pixel."""
-        if not self.seen_mask.any():
-            return np.zeros_like(self.initial)
+        change = _answer(read_weights("shape_prior"), self.features(self.initial), mirrored=mirrored)
+        change = completed(self.initial + change) - self.initial
         nearest = distance_transform_edt(~self.seen_mask, return_distances=False, return_indices=True)
-        return np.asarray((normals - self.initial)[tuple(nearest)])
+        return np.asarray(change[tuple(nearest)])
 
 
 def _resampled(field: NDArray[Any], wider: float, size: int) -> FloatArray:
@@ -189,13 +165,7 @@ def _resampled(field: NDArray[Any], wider: float, size: int) -> FloatArray:
 
 
 def features(
-    tones: Array,
-    mask: BoolArray,
-    ink: BoolArray,
-    normals: Array,
-    initial_normals: Array,
-    elevation: float,
-    doubt: float = 0.0,
+    tones: Array, mask: BoolArray, ink: BoolArray, normals: NDArray[Any], elevation: float, doubt: float = 0.0
 ) -> Array:
     """
     Describe a drawing to the network.
@@ -206,8 +176,8 @@ def features(
         Tones in [0, 1] of the painted colors.
     mask, ink : ndarray of bool, shape (SIZE, SIZE)
         The object, and where ink hides its paint.
-    normals, initial_normals : ndarray, shape (SIZE, SIZE, 3)
-        Normals as far as they are known, and N0; the light's azimuth is zero.
+    normals : ndarray, shape (SIZE, SIZE, 3)
+        N0; the light's azimuth is zero.
     elevation : float
         Of the light, radians.
     doubt : float, optional
@@ -217,9 +187,9 @@ def features(
     Returns
     -------
     ndarray of float32, shape (CHANNELS, SIZE, SIZE)
-        Mask, normals, N0, illumination, the interval of illumination that rank matching on these normals gives each
-        color (Figure 4), tone, rank, the light's sine and cosine, damped by exp(-doubt / DAMPING), and ink; zero beside
-        the object.
+        Mask, normals, illumination, the interval of illumination that rank matching on these normals gives each color
+        (Figure 4), tone, rank, the light's sine and cosine, damped by exp(-doubt / DAMPING), and ink; zero beside the
+        object.
     """
     sine, cosine = np.sin(elevation), np.cos(elevation)
     shining = cosine * normals[..., 0] + sine * normals[..., 2]
@@ -228,15 +198,14 @@ def features(
     seen = np.zeros((CHANNELS, *mask.shape), np.float32)
     seen[0] = mask
     seen[1:4] = np.moveaxis(normals, -1, 0)
-    seen[4:7] = np.moveaxis(initial_normals, -1, 0)
-    seen[7] = shining
-    seen[8][mask] = ordered[ranks.below]
-    seen[9][mask] = ordered[ranks.upto - 1]
-    seen[10][mask] = ranks.tone
-    seen[11][mask] = ranks.rank
+    seen[4] = shining
+    seen[5][mask] = ordered[ranks.below]
+    seen[6][mask] = ordered[ranks.upto - 1]
+    seen[7][mask] = ranks.tone
+    seen[8][mask] = ranks.rank
     told = np.exp(-doubt / DAMPING)
-    seen[12], seen[13] = told * sine, told * cosine
-    seen[14] = ink
+    seen[9], seen[10] = told * sine, told * cosine
+    seen[11] = ink
     seen *= mask
     return seen
 
@@ -246,7 +215,7 @@ def _answer(weights: Weights, seen: Array, *, mirrored: bool) -> Array:
     if not mirrored:
         return np.moveaxis(field(weights, seen), 0, -1)
     reflected = seen[:, ::-1].copy()
-    reflected[[2, 5]] *= -1  # y of the normals
+    reflected[2] *= -1  # y of the normals
     change = field(weights, reflected)[:, ::-1].copy()
     change[1] *= -1
     return np.moveaxis(change, 0, -1)
@@ -255,7 +224,7 @@ def _answer(weights: Weights, seen: Array, *, mirrored: bool) -> Array:
 def _missed(seen: Array) -> float:
     """Return the mean square by which the normals in the features miss what rank matching allows the colors."""
     on_object = seen[0] > 0
-    shining, lower, upper = (seen[k][on_object] for k in (7, 8, 9))
+    shining, lower, upper = (seen[k][on_object] for k in (4, 5, 6))
     return float(np.mean((shining - np.clip(shining, lower, upper)) ** 2))
 
 

@@ -53,6 +53,5 @@ def toonkit(
     steps = inflated(image, light, progress)
     if progress is not None:
         progress("correcting the shape", INFLATED / 2)
-    guess = None if previous is None else previous.normals
-    corrected = correct_shape(image, steps.light, steps.initial_normals, guess=guess)
+    corrected = correct_shape(image, steps.light, steps.initial_normals)
     return steps.finished("toonkit", steps.refined(corrected, previous, OPTIONS))

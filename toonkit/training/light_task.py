@@ -22,16 +22,9 @@ class LightTask:
         return LightNetwork()
 
     def loss(
-        self,
-        network: nn.Module,
-        average: nn.Module,
-        drawings: Drawings,
-        rng: np.random.Generator,
-        size: int,
-        step: int,
+        self, network: nn.Module, drawings: Drawings, rng: np.random.Generator, size: int
     ) -> tuple[Tensor, float]:
         """Return the loss of a batch, and its mean error in degrees."""
-        del average, step
         seen, light = _batch(drawings, [rng] * size, INKED)
         with fast_arithmetic():
             answer = network(seen)

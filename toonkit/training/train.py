@@ -38,13 +38,7 @@ class Task(Protocol):
         ...
 
     def loss(
-        self,
-        network: nn.Module,
-        average: nn.Module,
-        drawings: Drawings,
-        rng: np.random.Generator,
-        size: int,
-        step: int,
+        self, network: nn.Module, drawings: Drawings, rng: np.random.Generator, size: int
     ) -> tuple[Tensor, float]:
         """Return the loss of a batch, and its mean error in degrees."""
         ...
@@ -128,9 +122,8 @@ class Training:
         take_over(self.network, weights)
         self.begun = {name: torch.from_numpy(values) for name, values in exported(self.network).items()}
         rng = np.random.default_rng([self.options.seed])
-        batch = (drawings, rng, self.options.batch, 0)
         self.network.eval()
-        normalized(self.network, lambda: self.task.loss(self.network, self.average, *batch))
+        normalized(self.network, lambda: self.task.loss(self.network, drawings, rng, self.options.batch))
         self.network.train()
         self.average.load_state_dict(self.network.state_dict())
         self.earlier = made
@@ -173,7 +166,7 @@ class Training:
         for group in self.optimizer.param_groups:
             group["lr"] = self._rate()
         rng = np.random.default_rng([self.options.seed, self.step])
-        loss, error = self.task.loss(self.network, self.average, drawings, rng, self.options.batch, self.step)
+        loss, error = self.task.loss(self.network, drawings, rng, self.options.batch)
         self.optimizer.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
