@@ -13,6 +13,7 @@ from toonkit._validation import of_type, refuse, same_mask
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.light_fit import estimate_light
 from toonkit.methods.classical import classical
+from toonkit.methods.first_use import share_compiling
 from toonkit.methods.lambert import lambert
 from toonkit.methods.lumo import lumo
 from toonkit.methods.steps import StepProgress
@@ -101,6 +102,7 @@ def analyze(
         same_mask("previous", previous.image.mask, image.mask, "the picture")
         if "previous" in inspect.signature(estimator).parameters:
             estimator = functools.partial(estimator, previous=previous)
+    share_compiling()
     with single_threaded_blas():
         direction = estimate_light(image).light if light is None else light
         return estimator(image, direction, progress=progress)
