@@ -3,9 +3,9 @@
     python -m benchmarks.resolutions -o notebooks/study/resolutions.csv
 
 Analyzes the study's twenty shapes, each painted with the ablation's six color maps at 1024², and the same pictures reduced
-to 256², as a painting program does it. Writes one row per picture: the mean angle between the normals of the two, those of
-the larger averaged over the blocks that the smaller pixels stand for; of the inflated normals, the corrected ones and the
-refined ones.
+to 256² in linear light. Writes one row per picture: the mean angle between the normals of the two, those of the larger
+averaged over the blocks that the smaller pixels stand for. Of the true normals, which tells what such a comparison can see;
+of the inflated ones, the corrected ones and the refined ones.
 """
 
 from __future__ import annotations
@@ -31,15 +31,16 @@ from toonkit.study.trials import StudySettings, paint
 LARGE, FACTOR = 1024, 4
 """Side of the larger pictures, and how many times smaller the others are."""
 
-STEPS = ("initial", "corrected", "refined")
+STEPS = ("true", "initial", "corrected", "refined")
 
 
 def reduced(image: ToonImage, factor: int) -> ToonImage:
-    """Average light and coverage over blocks of `factor` x `factor` pixels."""
+    """Average the light of the object and its coverage over blocks of `factor` x `factor` pixels."""
     weight = image.alpha * image.mask
-    light = _block_means(srgb_to_linear(image.color) * weight[..., None], factor)
-    covered = _block_means(weight, factor)
-    color = linear_to_srgb(np.clip(light / np.maximum(covered, 1e-9)[..., None], 0.0, 1.0))
+    painted = np.where(image.mask[..., None], srgb_to_linear(image.color), 0.0)
+    total = _block_means(painted * weight[..., None], factor)
+    mean = total / np.maximum(_block_means(weight, factor), 1e-9)[..., None]
+    color = linear_to_srgb(np.clip(mean, 0.0, 1.0))
     alpha = _block_means(image.alpha, factor)
     return ToonImage(color, alpha >= 0.5, alpha=alpha)
 
@@ -56,11 +57,14 @@ def apart(small: NormalField, large: NormalField, factor: int) -> float:
 def measured(shape: str) -> list[Row]:
     """Compare the two sizes of one shape under each color map."""
     settings = StudySettings(size=LARGE)
-    truth = render_shape(SHAPES[shape], LARGE)
+    truths = [render_shape(SHAPES[shape], size) for size in (LARGE // FACTOR, LARGE)]
     rows: list[Row] = []
     for name in COLOR_MAP_NAMES:
-        large = paint(truth, load_color_maps()[name], settings).image
-        fields = [_fields(image, settings) for image in (reduced(large, FACTOR), large)]
+        large = paint(truths[1], load_color_maps()[name], settings).image
+        images = reduced(large, FACTOR), large
+        fields = [
+            (truth.normals, *_fields(image, settings)) for truth, image in zip(truths, images, strict=True)
+        ]
         angles = {
             step: apart(*pair, FACTOR) for step, pair in zip(STEPS, zip(*fields, strict=True), strict=True)
         }

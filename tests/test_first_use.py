@@ -7,36 +7,55 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
+from tests.analytic import SOFT, ellipse, painted
+from toonkit import analyze, light_direction
 from toonkit.methods import first_use
-from toonkit.methods.first_use import COMMAND, LONGEST, share_compiling
+from toonkit.methods.first_use import LONGEST, share_compiling
+
+COMPILE = "from toonkit.methods.first_use import compile_longest; compile_longest()"
 
 ANALYSIS = """
-import numpy as np, toonkit
-from toonkit.methods import first_use
-first_use.share_compiling = lambda: None
+import numpy as np, toonkit, toonkit.methods
+from toonkit.methods.first_use import LONGEST
+toonkit.methods.share_compiling = lambda: None
 mask = np.hypot(*(np.mgrid[:96, :96] - 47.5)) < 44
 color = np.where(np.mgrid[:96, :96][1][..., None] > 40, [0.9, 0.8, 0.6], [0.4, 0.2, 0.5])
-toonkit.analyze(toonkit.ToonImage(color, mask), toonkit.light_direction(30, 40))
-print([(sum(loop.stats.cache_hits.values()), sum(loop.stats.cache_misses.values())) for loop in first_use.LONGEST])
+image = toonkit.ToonImage(color, mask)
+analysis = toonkit.analyze(image, toonkit.light_direction(30, 40))
+toonkit.analyze(image, toonkit.light_direction(40, 40), previous=analysis)
+print([(sum(loop.stats.cache_hits.values()), sum(loop.stats.cache_misses.values())) for loop in LONGEST])
+"""
+
+COMPILED = """
+from toonkit.methods import first_use
+print([first_use._is_compiled(loop) for loop in first_use.LONGEST])
 """
 
 
 class Started:
-    """What `Popen` was asked to start."""
+    """What `Popen` was asked to start, and how often it was waited for."""
 
     def __init__(self) -> None:
         self.commands: list[list[str]] = []
+        self.waited = 0
 
     def __call__(self, command: list[str], **_: object) -> Started:
         self.commands.append(command)
         return self
 
     def wait(self) -> int:
+        self.waited += 1
         return 0
+
+
+class AtOnce:
+    """A thread that does its work when it is started."""
+
+    def __init__(self, *, target, **_: object) -> None:
+        self.start = target
 
 
 @pytest.fixture
@@ -44,33 +63,58 @@ def started(monkeypatch: pytest.MonkeyPatch) -> Iterator[Started]:
     """A machine of two cores on which nothing is compiled, and nothing started."""
     started = Started()
     share_compiling.cache_clear()
-    monkeypatch.setattr(first_use.subprocess, "Popen", started)
-    monkeypatch.setattr(first_use.os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(first_use, "Popen", started)
+    monkeypatch.setattr(first_use.threading, "Thread", AtOnce)
+    monkeypatch.setattr(first_use, "_cores", lambda: 2)
     monkeypatch.setattr(first_use, "_is_compiled", lambda loop: False)
     yield started
     share_compiling.cache_clear()
 
 
-def test_an_analysis_finds_compiled_what_the_second_process_compiled(tmp_path: Path) -> None:
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    subprocess.run([sys.executable, "-c", COMMAND], env=environment, check=True)
-    run = [sys.executable, "-c", ANALYSIS]
-    said = subprocess.run(run, env=environment, check=True, capture_output=True, text=True).stdout
-    assert said.strip() == str([(1, 0)] * len(LONGEST))
+def said_by(program: str, cache: Path) -> str:
+    """What a new process prints that keeps what it compiles in a folder of its own."""
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(cache)}
+    run = [sys.executable, "-c", program]
+    return subprocess.run(run, env=environment, check=True, capture_output=True, text=True).stdout.strip()
 
 
-def test_a_second_process_is_started_once(started: Started) -> None:
+def test_analyses_find_compiled_what_the_second_process_compiled(tmp_path: Path) -> None:
+    assert said_by(COMPILED, tmp_path) == str([False] * len(LONGEST))
+    said_by(COMPILE, tmp_path)
+    assert said_by(COMPILED, tmp_path) == str([True] * len(LONGEST))
+    assert said_by(ANALYSIS, tmp_path) == str([(1, 0)] * len(LONGEST))
+
+
+def test_the_first_analysis_starts_a_second_process_once(started: Started) -> None:
+    shape = ellipse(12, 9)
+    for _ in range(2):
+        analyze(painted(shape.normals, SOFT), light_direction(118, 41), method="lumo")
+    ((program, option, command),) = started.commands
+    assert (program, option) == (sys.executable, "-c")
+    assert command.endswith(COMPILE)
+    assert started.waited == 1
+
+
+def test_it_finds_modules_where_this_process_does_and_nowhere_else(
+    started: Started, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "numpy.py").write_text("raise SystemExit('a file beside the drawings')")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [place for place in sys.path if place])
     share_compiling()
-    share_compiling()
-    assert started.commands == [[sys.executable, "-c", COMMAND]]
+    ((*_, command),) = started.commands
+    assert (
+        said_by(command.replace(COMPILE, "import numpy; print('numpy itself')"), tmp_path) == "numpy itself"
+    )
 
 
 @pytest.mark.parametrize(
     ("where", "name", "value"),
     [
         (first_use, "_is_compiled", lambda loop: True),
-        (first_use.os, "cpu_count", lambda: 1),
-        (first_use.sys, "executable", "/opt/blender/blender"),
+        (first_use, "_cores", lambda: 1),
+        (first_use.multiprocessing, "parent_process", lambda: "the one that started this worker"),
+        (first_use.sys, "executable", "/opt/painter/painter"),
         (first_use.sys, "executable", None),
     ],
 )
@@ -85,21 +129,15 @@ def test_none_is_started_where_it_would_not_help(
 def test_where_none_can_be_started_the_analysis_goes_on(
     started: Started, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refused(*_: object, **__: object) -> None:
+    def refused(command: list[str], **_: object) -> None:
+        started(command)
         raise PermissionError
 
-    monkeypatch.setattr(first_use.subprocess, "Popen", refused)
-    share_compiling()
+    monkeypatch.setattr(first_use, "Popen", refused)
+    shape = ellipse(12, 9)
+    analyze(painted(shape.normals, SOFT), light_direction(118, 41), method="lumo")
+    assert len(started.commands) == 1
 
 
-def test_a_loop_is_compiled_once_its_index_is_on_file(tmp_path: Path) -> None:
-    loop = SimpleNamespace(
-        stats=SimpleNamespace(cache_path=str(tmp_path)),
-        __module__="toonkit.numerics.unit_field_kernels",
-        __name__="slope",
-    )
-    assert not first_use._is_compiled(loop)
-    major, minor = sys.version_info[:2]
-    (tmp_path / f"unit_field_kernels.slope-145.py{major}{minor}.nbi").touch()
-    assert first_use._is_compiled(loop)
-    assert first_use._is_compiled(lambda: None)  # numba was told not to compile
+def test_where_numba_was_told_not_to_compile_there_is_nothing_to_do() -> None:
+    assert first_use._is_compiled(lambda: None)

@@ -126,7 +126,7 @@ def test_under_a_light_nearby_an_earlier_answer_leads_to_the_same_shape(egg, met
     again = analyze(image, nearby, method=method, previous=earlier)
     afresh = analyze(image, nearby, method=method)
     assert again.report.iterations <= afresh.report.iterations
-    assert angular_error(again.normals, afresh.normals).mean < 0.5
+    assert angular_error(again.normals, afresh.normals).mean < 0.5  # neither is solved to the end
     off = [angular_error(found.normals, shape.normals).mean for found in (again, afresh)]
     assert off[0] < off[1] + 0.3
 

@@ -220,6 +220,13 @@ def test_feature_maps_that_weights_do_not_know_count_for_nothing() -> None:
     assert not again[:, -4:].any()
 
 
+def test_weights_that_ask_for_more_feature_maps_are_those_of_another_network() -> None:
+    shipped = exported(Training(LightTask(), options()).network)
+    shipped["stem.weight"] = np.concatenate([shipped["stem.weight"], shipped["stem.weight"][:, :4]], axis=1)
+    with pytest.raises(ToonkitError, match="start must be weights of the light_prior"):
+        Training(LightTask(), options()).start_from_weights(shipped, [], drawings())
+
+
 @pytest.mark.parametrize(
     ("task", "changed", "words"),
     [

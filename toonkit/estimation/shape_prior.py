@@ -177,7 +177,7 @@ def features(
     mask, ink : ndarray of bool, shape (SIZE, SIZE)
         The object, and where ink hides its paint.
     normals : ndarray, shape (SIZE, SIZE, 3)
-        N0; the light's azimuth is zero.
+        N0 when the network is asked, or what it made of it; the light's azimuth is zero.
     elevation : float
         Of the light, radians.
     doubt : float, optional

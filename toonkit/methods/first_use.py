@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
-import subprocess
 import sys
 import threading
 from functools import cache
 from pathlib import Path
+from subprocess import DEVNULL, Popen
 from typing import Any
 
 import numpy as np
@@ -18,9 +19,10 @@ from toonkit.numerics.membrane import uniform_links
 from toonkit.numerics.unit_field_kernels import relax, slope
 
 LONGEST = (slope, relax)
-"""Loops that take nearly half of the time, in the order in which they are needed, which is late."""
+"""The loops that take longest to compile, in the order in which they are needed, which is late."""
 
-COMMAND = f"from {__name__} import compile_longest; compile_longest()"
+NO_WINDOW = 0x08000000
+"""What keeps Windows from opening one for a new process."""
 
 
 @cache
@@ -29,38 +31,53 @@ def share_compiling() -> None:
     Let a second process compile the longest loops, if none has done so on this machine.
 
     It writes them where this process will look for them when it needs them; if it fails, or is late, this one compiles them
-    itself. Nothing is done where Python is inside of another program, which is no interpreter to be called.
+    itself. Nothing is done in one of many workers, on a single core, or where Python is inside of another program.
     """
-    callable_python = Path(sys.executable or "").stem.lower().startswith("python")
-    if not callable_python or os.cpu_count() == 1 or all(map(_is_compiled, LONGEST)):
+    if not _is_interpreter() or multiprocessing.parent_process() is not None or _cores() == 1:
         return
-    nowhere, windowless = subprocess.DEVNULL, getattr(subprocess, "CREATE_NO_WINDOW", 0)
+    if all(map(_is_compiled, LONGEST)):
+        return
+    # It finds modules where this process does, and nowhere else.
+    command = (
+        f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import compile_longest; compile_longest()"
+    )
     try:
-        helper = subprocess.Popen(
-            [sys.executable, "-c", COMMAND],
-            stdin=nowhere, stdout=nowhere, stderr=nowhere, creationflags=windowless,
+        helper = Popen(
+            [sys.executable, "-c", command],
+            stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL, creationflags=NO_WINDOW if os.name == "nt" else 0,
         )  # fmt: skip
-    except OSError:
+        threading.Thread(target=helper.wait, name="toonkit-first-use", daemon=True).start()
+    except (OSError, RuntimeError):  # no more processes, or no more threads
         return
-    threading.Thread(target=helper.wait, name="toonkit-first-use", daemon=True).start()
-
-
-def _is_compiled(loop: Any) -> bool:
-    """Tell whether a compiled loop of this version of Python is on file."""
-    if not hasattr(loop, "stats"):  # numba was told not to compile
-        return True
-    module, version = loop.__module__.rpartition(".")[2], "".join(map(str, sys.version_info[:2]))
-    return any(Path(loop.stats.cache_path).glob(f"{module}.{loop.__name__}-*.py{version}.nbi"))
 
 
 def compile_longest() -> None:
     """Compile the loops for what an analysis calls them with, by calling them on a few pixels."""
     grid = MaskedGrid(np.ones((2, 2), np.bool_))
     normals, none = np.tile([0.0, 0.0, 1.0], (grid.size, 1)), np.zeros(0)
-    bounds, light = np.zeros(grid.size), as_light("light", (0.0, 0.0, 1.0))
+    bounds = np.zeros(grid.size)
+    light = as_light("light", (0.0, 0.0, 1.0))  # which cannot be written to, as every light
     problem = (
         grid.neighbors, normals, light, none, none, bounds, bounds, bounds, uniform_links(grid), bounds, 1.0, 1.0,
         np.zeros((0, 3)),
     )  # fmt: skip
     slope(*problem, normals, normals.copy(), 0, grid.size)
     relax(*problem, normals.copy(), False, 0, grid.size)
+
+
+def _is_interpreter() -> bool:
+    """Tell whether this process is Python itself, and can be called again as such."""
+    return not getattr(sys, "frozen", False) and Path(sys.executable or "").stem.lower().startswith("python")
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _is_compiled(loop: Any) -> bool:
+    """Tell whether numba has an index of a compiled loop on file: of this Python, but perhaps of an older numba."""
+    if not hasattr(loop, "stats"):  # numba was told not to compile
+        return True
+    module, line = loop.__module__.rpartition(".")[2], loop.py_func.__code__.co_firstlineno
+    version = "".join(map(str, sys.version_info[:2])) + getattr(sys, "abiflags", "")
+    return (Path(loop.stats.cache_path) / f"{module}.{loop.__name__}-{line}.py{version}.nbi").is_file()

@@ -157,7 +157,7 @@ def _stored_weights(path: Path) -> tuple[Weights, list[dict[str, Any]]]:
         raise refuse("--start", f"must have its record {record.name} beside it", path)
     made = json.loads(record.read_text(encoding="utf-8"))
     last = {"command": made["command"], "steps": made[FIGURES][-1]["step"]}
-    last |= {name: made[name] for name in ("seconds", FIGURES)}
+    last |= {name: made[name] for name in ("seconds", FIGURES, "note") if name in made}
     with np.load(path) as stored:
         weights = {layer: stored[layer].astype(np.float32) for layer in stored.files}
     return weights, [*made.get(STARTED_FROM, []), last]

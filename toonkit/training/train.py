@@ -117,7 +117,8 @@ class Training:
         ToonkitError
             If the weights are of another network.
         """
-        if _leaving(weights) != _leaving(exported(self.network)):
+        known = exported(self.network)
+        if _leaving(weights) != _leaving(known) or _more_enter(weights, known):
             raise refuse("start", f"must be weights of the {self.task.name}", "those of another network")
         take_over(self.network, weights)
         self.begun = {name: torch.from_numpy(values) for name, values in exported(self.network).items()}
@@ -245,3 +246,8 @@ class Training:
 def _leaving(weights: Weights) -> dict[str, tuple[int, ...]]:
     """Return what tells one network from another: the maps that leave each layer, and its size; not those that enter."""
     return {name: (len(values), *values.shape[2:]) for name, values in weights.items()}
+
+
+def _more_enter(weights: Weights, known: Weights) -> bool:
+    """Tell whether a layer was fed maps that its network has no longer."""
+    return any(values.shape[1:2] > known[name].shape[1:2] for name, values in weights.items())
