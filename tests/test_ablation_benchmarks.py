@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 import toonkit
-from benchmarks import ablation, inflations, interior_contours, lights, resolutions
+from benchmarks import ablation, inflations, interior_contours, lights
 from benchmarks.shape_rows import measured_rows
 from tests.analytic import SOFT, TWO_TONE, painted
 from toonkit.estimation.light_fit import LightEstimate
@@ -389,51 +389,6 @@ def test_the_committed_table_has_every_variant_on_all_shapes(painting, benchmark
     expected = set(itertools.product(names, SHAPES, ablation.COLOR_MAP_NAMES))
     assert set(table[["variant", "shape", "color_map"]].itertuples(index=False, name=None)) == expected
     assert len(table) == len(expected)
-
-
-def test_a_picture_is_reduced_by_the_light_of_the_object_alone():
-    mask = np.zeros((32, 32), bool)
-    mask[6:27, 9:26] = True
-    color = np.where(np.arange(32)[:, None, None] < 16, 0.2, 0.8) * np.tile([1.0, 0.9, 0.5], (1, 32, 1))
-    small = resolutions.reduced(toonkit.ToonImage(color, mask), 2)
-    assert small.mask.sum() == pytest.approx(mask.sum() / 4, rel=0.1)
-    assert np.abs(small.color - color[::2, ::2])[small.mask].max() < 1e-6
-    assert small.alpha.mean() == pytest.approx(mask.mean())
-
-
-def test_the_same_normals_are_apart_by_nothing_and_tilted_ones_by_their_tilt():
-    def tilted(size: int, degrees: float) -> toonkit.NormalField:
-        mask = np.zeros((size, size), bool)
-        mask[size // 4 : size // 2] = True
-        towards = toonkit.light_direction(70, 90 - degrees)
-        return toonkit.NormalField(np.where(mask[..., None], towards, np.nan), mask)
-
-    assert resolutions.apart(tilted(16, 25), tilted(64, 25), 4) == pytest.approx(0, abs=1e-6)
-    assert resolutions.apart(tilted(16, 25), tilted(64, 40), 4) == pytest.approx(15)
-
-
-def test_the_command_compares_resolutions(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(resolutions, "LARGE", 128)
-    monkeypatch.setattr(resolutions, "COLOR_MAP_NAMES", ("ocean", "lilac_soft"))
-    target = tmp_path / "resolutions.csv"
-    resolutions.main(["--shapes", "pear", "--workers", "0", "-o", str(target)])
-    table = pd.read_csv(target)
-    assert list(table.columns) == ["shape", "color_map", *resolutions.STEPS]
-    assert table["color_map"].tolist() == ["ocean", "lilac_soft"]
-    assert (table["true"] < table["initial"]).all()
-    assert (table[list(resolutions.STEPS)] < 30).all(axis=None)
-    assert f"{table['refined'].mean():.2f}" in capsys.readouterr().out
-
-
-def test_the_committed_resolutions_are_of_all_shapes_and_color_maps():
-    table = pd.read_csv(STUDY / "resolutions.csv")
-    expected = set(itertools.product(SHAPES, ablation.COLOR_MAP_NAMES))
-    assert set(table[["shape", "color_map"]].itertuples(index=False, name=None)) == expected
-    assert len(table) == len(expected)
-    mean = table[list(resolutions.STEPS)].mean()
-    text = " ".join((STUDY.parent.parent / "README.md").read_text().split())
-    assert f"normals are {mean['refined']:.1f}° apart" in text
-    assert f"{mean['true']:.1f}° of which are the comparison's own" in text
 
 
 def test_the_committed_lights_are_those_of_the_benchmark():

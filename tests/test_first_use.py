@@ -88,11 +88,16 @@ def test_analyses_find_compiled_what_the_second_process_compiled(tmp_path: Path)
 def test_the_first_analysis_starts_a_second_process_once(started: Started) -> None:
     shape = ellipse(12, 9)
     for _ in range(2):
-        analyze(painted(shape.normals, SOFT), light_direction(118, 41), method="lumo")
+        analyze(painted(shape.normals, SOFT), light_direction(118, 41), method="classical")
     ((program, option, command),) = started.commands
     assert (program, option) == (sys.executable, "-c")
     assert command.endswith(COMPILE)
     assert started.waited == 1
+
+
+def test_a_method_without_those_loops_starts_none(started: Started) -> None:
+    analyze(painted(ellipse(12, 9).normals, SOFT), light_direction(118, 41), method="lumo")
+    assert started.commands == []
 
 
 def test_it_finds_modules_where_this_process_does_and_nowhere_else(
@@ -135,7 +140,7 @@ def test_where_none_can_be_started_the_analysis_goes_on(
 
     monkeypatch.setattr(first_use, "Popen", refused)
     shape = ellipse(12, 9)
-    analyze(painted(shape.normals, SOFT), light_direction(118, 41), method="lumo")
+    analyze(painted(shape.normals, SOFT), light_direction(118, 41), method="classical")
     assert len(started.commands) == 1
 
 

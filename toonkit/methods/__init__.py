@@ -46,6 +46,9 @@ METHODS: dict[str, Method] = {
 }
 """Name -> estimator. Adding one is `METHODS["name"] = function`."""
 
+REFINING = (toonkit, classical)
+"""Estimators that run the loops which take longest to compile."""
+
 
 def analyze(
     image: ToonImage,
@@ -102,7 +105,8 @@ def analyze(
         same_mask("previous", previous.image.mask, image.mask, "the picture")
         if "previous" in inspect.signature(estimator).parameters:
             estimator = functools.partial(estimator, previous=previous)
-    share_compiling()
+    if METHODS[method] in REFINING:
+        share_compiling()
     with single_threaded_blas():
         direction = estimate_light(image).light if light is None else light
         return estimator(image, direction, progress=progress)

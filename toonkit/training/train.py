@@ -145,20 +145,23 @@ class Training:
             )
         self.network.load_state_dict(state["average"])
         self.average.load_state_dict(state["average"])
-        self.earlier = [*state["earlier"], state["record"]]
+        self.earlier = [*state["earlier"], _record(state)]
 
     @property
     def record(self) -> dict[str, Any]:
         """What to say of this training: its command, steps, seconds and figures."""
-        given = asdict(self.options)
-        words = [f"--{name.replace('_', '-')} {given[name]}" for name in TOLD]
-        start = ["--start BEFORE"] if self.earlier else []
-        kind = self.task.name.removesuffix("_prior")
+        return _record(self._told)
+
+    @property
+    def _told(self) -> dict[str, Any]:
+        """What a checkpoint says in words and numbers, but for what was learned."""
         return {
-            "command": " ".join([f"python -m toonkit.training {kind} -o DIR", *start, *words]),
-            "steps": self.step,
-            "seconds": round(self.seconds),
-            FIGURES: self.history,
+            "task": self.task.name,
+            "options": asdict(self.options),
+            "step": self.step,
+            "seconds": self.seconds,
+            "history": self.history,
+            "earlier": self.earlier,
         }
 
     def advance(self, drawings: Drawings) -> float:
@@ -201,16 +204,10 @@ class Training:
     def save(self, path: Path) -> None:
         """Write a checkpoint, whole or not at all."""
         state = {
-            "task": self.task.name,
-            "options": asdict(self.options),
+            **self._told,
             "network": self.network.state_dict(),
             "average": self.average.state_dict(),
             "optimizer": self.optimizer.state_dict(),
-            "step": self.step,
-            "seconds": self.seconds,
-            "history": self.history,
-            "earlier": self.earlier,
-            "record": self.record,
             "begun": self.begun,
         }
         with atomic_write(path) as file:
@@ -241,6 +238,19 @@ class Training:
         rising = min((self.step + 1) / options.warmup, 1.0)
         falling = 0.5 + 0.5 * np.cos(np.pi * min(self.step / options.steps, 1.0))
         return float(options.rate * rising * falling)
+
+
+def _record(told: dict[str, Any]) -> dict[str, Any]:
+    """Return what to say of a training, given what its checkpoint tells."""
+    words = [f"--{name.replace('_', '-')} {told['options'][name]}" for name in TOLD]
+    start = ["--start BEFORE"] if told["earlier"] else []
+    kind = told["task"].removesuffix("_prior")
+    return {
+        "command": " ".join([f"python -m toonkit.training {kind} -o DIR", *start, *words]),
+        "steps": told["step"],
+        "seconds": round(told["seconds"]),
+        FIGURES: told["history"],
+    }
 
 
 def _leaving(weights: Weights) -> dict[str, tuple[int, ...]]:
