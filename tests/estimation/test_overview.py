@@ -4,17 +4,37 @@ import numpy as np
 import pytest
 from scipy.ndimage import distance_transform_edt
 
-from tests.analytic import SOFT, TWO_TONE, ellipse, painted
+from tests.analytic import TWO_TONE, ellipse, painted
 from toonkit import ToonImage
-from toonkit.estimation.overview import LONGEST, Overview, _block_medians
+from toonkit.estimation.overview import LONGEST, Overview
 from toonkit.estimation.reading import reading
 from toonkit.estimation.working_square import WorkingSquare
+from toonkit.model.luminance import linear_to_srgb, srgb_to_linear
 
 
 def overview(size: int) -> tuple[Overview, float]:
     shape = ellipse(size, 0.6 * size)
     read = reading(painted(shape.normals, TWO_TONE))
     return Overview.of(read, read.initial_normals.vectors[shape.mask]), shape.mask.sum()
+
+
+def seen_in(image: ToonImage) -> Overview:
+    read = reading(image)
+    return Overview.of(read, read.initial_normals.compact)
+
+
+def drawn_on_blocks(size: int) -> ToonImage:
+    """Paint a disc whose outline follows blocks of 8 x 8 pixels, in slanting bands that follow none."""
+    down, along = np.indices((size, size))
+    blocks = (np.indices((size // 8, size // 8)) + 0.5) / (size // 8) - 0.5
+    mask = np.kron(np.hypot(*blocks) < 0.45, np.ones((8, 8))) > 0
+    tones = 0.2 + 0.15 * np.floor(5 * (0.7 * down + along) / (1.7 * size))
+    return ToonImage(np.repeat(tones[..., None], 3, axis=2), mask)
+
+
+def block_means(values: np.ndarray, factor: int) -> np.ndarray:
+    height, width = (length // factor for length in values.shape[:2])
+    return values.reshape(height, factor, width, factor, -1).mean(axis=(1, 3))
 
 
 @pytest.mark.parametrize("radius", [40, 150])
@@ -74,22 +94,35 @@ def test_without_ink_none_is_seen():
 
 
 @pytest.mark.parametrize("factor", [2, 4])
-def test_a_block_has_the_median_tone_of_its_pixels_on_the_object(factor):
-    shape = ellipse(60, 41)
-    read = reading(painted(shape.normals, SOFT))
-    steps = read.grid.coarsenings(100)[: factor // 2]
-    coarse = steps[-1].coarse
-    parent = steps[0].parent if factor == 2 else steps[1].parent[steps[0].parent]
-    found = _block_medians(read, coarse.mask.shape, factor)
-    assert np.isnan(found[~coarse.mask]).all()
-    for block, tone in enumerate(found[coarse.mask]):
-        own = np.sort(read.tones.tone[parent == block])
-        assert tone == own[(len(own) - 1) // 2]
+def test_a_large_drawing_is_seen_as_the_same_one_reduced_beforehand(factor):
+    large = drawn_on_blocks(800)
+    small = ToonImage(
+        linear_to_srgb(block_means(srgb_to_linear(large.color), factor)), large.mask[::factor, ::factor]
+    )
+    seen = [seen_in(image) for image in (large, small)]
+    assert seen[0].factor == factor * seen[1].factor == 4
+    assert (seen[0].grid.mask == seen[1].grid.mask).all()
+    assert np.allclose(seen[0].tones, seen[1].tones)
+    bands = np.unique(large.color[large.mask])
+    assert (
+        np.abs(seen[0].tones[:, None] - bands).min(axis=1) < 1e-6
+    ).mean() > 0.99  # no mixtures but at the rim
+
+
+def test_a_drawing_is_reduced_once_and_its_normals_whenever_they_are_given():
+    image = drawn_on_blocks(400)
+    first, second = seen_in(image), seen_in(image)
+    assert second.tones is first.tones
+    read = reading(image)
+    flat = Overview.of(read, np.tile([0.0, 0.6, 0.8], (read.grid.size, 1)))
+    assert flat.tones is first.tones
+    assert np.allclose(flat.initial, [0.0, 0.6, 0.8])
+    assert np.ptp(second.initial[:, 2]) > 0.5
 
 
 def test_what_is_narrow_when_reduced_is_a_mixture_at_any_size():
-    # A transition 12 pixels wide is one and a half of a block's: a drawing of that size could not tell it from a mixture.
-    tones = np.clip((np.arange(1400) - 694) / 12, 0, 1) * 0.6 + 0.2
+    # A transition 8 pixels wide is as wide as a block: a drawing of that size could not tell it from a mixture.
+    tones = np.clip((np.arange(1400) - 694) / 8, 0, 1) * 0.6 + 0.2
     color = np.broadcast_to(tones[None, :, None], (1000, 1400, 3))
     read = reading(ToonImage(color, np.ones((1000, 1400), bool)))
     reduced = Overview.of(read, read.initial_normals.compact)

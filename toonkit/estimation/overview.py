@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from toonkit.estimation.convolution import Array
 from toonkit.estimation.painted_tones import PaintedTones
 from toonkit.estimation.reading import Reading
 from toonkit.estimation.working_square import WorkingSquare
-from toonkit.numerics.bands import run_in_bands
+from toonkit.model.luminance import REC709, linear_to_srgb
 from toonkit.numerics.masked_grid import OUTSIDE, Coarsening, IndexArray, MaskedGrid
 
 LONGEST = 320
@@ -32,7 +33,7 @@ class Overview:
     filled : ndarray, shape (Q',)
         bool, which of those blocks are on the grid.
     tones : ndarray, shape (Q,)
-        Median tone of each block, plain: a narrow transition is taken for a mixture if it is one at this size.
+        Tone of each block's mean light, plain: what the same drawing shows that was reduced before it was given.
     ink : ndarray, shape (Q,)
         bool, the blocks of whose object ink touches at least half.
     initial : ndarray, shape (Q, 3)
@@ -48,7 +49,14 @@ class Overview:
 
     @classmethod
     def of(cls, read: Reading, initial: FloatArray) -> Overview:
-        """Reduce a drawing and its N0 (P, 3)."""
+        """Reduce a drawing and its N0 (P, 3); the drawing once, however often it is asked for."""
+        known = _KNOWN.get(read)
+        if known is None:
+            known = _KNOWN[read] = cls._of_paint(read)
+        return replace(known, initial=_directions(known.steps, initial)[known.filled])
+
+    @classmethod
+    def _of_paint(cls, read: Reading) -> Overview:
         steps = _halvings(read.grid)
         factor = 2 ** len(steps)
         grid = steps[-1].coarse if steps else read.grid
@@ -61,14 +69,14 @@ class Overview:
         reduced = MaskedGrid(mask)
         tones = read.tones.plain
         if steps:
-            medians = _block_medians(read, grid.mask.shape, factor)[mask]
-            tones = PaintedTones.of(np.repeat(medians[:, None], 3, axis=1), reduced).plain  # as grays
+            light = (_block_sums(steps, read.tones.light) / area[:, None])[filled]
+            tones = PaintedTones.between(light, linear_to_srgb(light @ REC709), reduced).plain
         ink = np.zeros(reduced.size, np.bool_)
         if read.line_art is not None:
             touched = np.zeros(read.grid.size)
             touched[read.line_art.pixels] = 1.0
             ink = (2 * _block_sums(steps, touched) >= area)[filled]
-        return cls(reduced, steps, filled, tones, ink, _directions(steps, initial)[filled])
+        return cls(reduced, steps, filled, tones, ink, np.zeros((reduced.size, 3)))
 
     @property
     def factor(self) -> int:
@@ -80,6 +88,9 @@ class Overview:
         blocks = square.sampled_pixels(self.grid)
         ink = _sampled(self.ink, blocks) > 0
         return blocks != OUTSIDE, ink, _sampled(self.tones, blocks), _sampled(self.initial, blocks)
+
+
+_KNOWN: WeakKeyDictionary[Reading, Overview] = WeakKeyDictionary()
 
 
 def _halvings(grid: MaskedGrid) -> list[Coarsening]:
@@ -94,25 +105,6 @@ def _block_sums(steps: list[Coarsening], values: FloatArray) -> FloatArray:
     for step in steps:
         values = step.sums(values)
     return values
-
-
-def _block_medians(read: Reading, shape: tuple[int, ...], factor: int) -> FloatArray:
-    """Median tone of the object in each block of a picture of so many blocks; of an even number the darker middle one."""
-    height, width = shape
-    framed = np.full((height * factor, width * factor), np.nan)
-    framed[read.grid.rows, read.grid.columns] = read.tones.tone
-    medians = np.empty(shape)
-    run_in_bands(_find_medians, framed.reshape(height, factor, width, factor), medians)
-    return medians
-
-
-def _find_medians(blocks: FloatArray, medians: FloatArray, first: int, last: int) -> None:
-    """Write the medians of some rows of blocks (h, n, w, n); NaN of those that hold NaN alone."""
-    ordered = np.sort(
-        np.moveaxis(blocks[first:last], 2, 1).reshape(last - first, blocks.shape[2], -1), axis=2
-    )
-    count = np.isfinite(ordered).sum(axis=2, keepdims=True)  # NaN comes last
-    medians[first:last] = np.take_along_axis(ordered, np.maximum(count - 1, 0) // 2, axis=2)[..., 0]
 
 
 def _directions(steps: list[Coarsening], vectors: FloatArray) -> FloatArray:

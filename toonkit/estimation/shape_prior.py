@@ -9,7 +9,7 @@ trained by `python -m toonkit.training` on shapes and color maps of its own; `we
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -68,12 +68,13 @@ def correct_shape(image: ToonImage, light: FloatArray, initial_normals: NormalFi
     overview = Overview.of(read, initial)
     square = WorkingSquare.around(overview.grid, light[:2])
 
-    def answered(wider: float, mirrored: bool) -> FloatArray:
-        view = _View.of(overview, light, square.widened(wider))
+    views = [_View.of(overview, light, square.widened(wider)) for wider, _ in SQUARES]
+
+    def answered(view: _View, wider: float, mirrored: bool) -> FloatArray:
         return _resampled(view.answered(mirrored=mirrored), wider, FINER * SIZE)
 
-    change = np.mean(run_each([partial(answered, *asked) for asked in SQUARES]), axis=0)
-    change *= _View.of(overview, light, square).need()
+    asked = [partial(answered, view, *how) for view, how in zip(views, SQUARES, strict=True)]
+    change = np.mean(run_each(asked), axis=0) * views[0].need()
     spread = square.enlarged(overview.factor).spread(square.turned_back(change), read.grid)
     return NormalField.of_pixels(moved(read.grid, initial, spread), image.mask)
 
@@ -139,18 +140,23 @@ class _View:
         """Return the features, given normals."""
         return features(self.tones, self.seen_mask, self.ink, normals, self.elevation)
 
+    @cached_property
+    def seen(self) -> Array:
+        """The features of N0."""
+        return self.features(self.initial)
+
     def need(self) -> float:
         """Return how much of a change is called for, 0 to 1: none if N0 explains the picture, or nothing is to be seen."""
         if not self.seen_mask.any():  # a line thinner than the square's pixels
             return 0.0
-        missed = _missed(self.features(self.initial))
+        missed = _missed(self.seen)
         return missed / (missed + NEGLIGIBLE**2)
 
     def answered(self, *, mirrored: bool) -> Array:
         """Return the change of N0, (SIZE, SIZE, 3), that the network asks for; beside the object as at its nearest pixel."""
         if not self.seen_mask.any():
             return np.zeros_like(self.initial)
-        change = _answer(read_weights("shape_prior"), self.features(self.initial), mirrored=mirrored)
+        change = _answer(read_weights("shape_prior"), self.seen, mirrored=mirrored)
         change = completed(self.initial + change) - self.initial
         nearest = distance_transform_edt(~self.seen_mask, return_distances=False, return_indices=True)
         return np.asarray(change[tuple(nearest)])
