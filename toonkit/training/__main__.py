@@ -18,6 +18,7 @@ from tqdm import tqdm
 
 from toonkit._validation import ToonkitError, refuse
 from toonkit.estimation.convolution import Weights
+from toonkit.estimation.weights import weights_in
 from toonkit.export.atomic import atomic_write
 from toonkit.training.dataset import Dataset, make_dataset
 from toonkit.training.drawings import Drawings
@@ -158,9 +159,8 @@ def _stored_weights(path: Path) -> tuple[Weights, list[dict[str, Any]]]:
     made = json.loads(record.read_text(encoding="utf-8"))
     last = {"command": made["command"], "steps": made[FIGURES][-1]["step"]}
     last |= {name: made[name] for name in ("seconds", FIGURES, "note") if name in made}
-    with np.load(path) as stored:
-        weights = {layer: stored[layer].astype(np.float32) for layer in stored.files}
-    return weights, [*made.get(STARTED_FROM, []), last]
+    with path.open("rb") as file:
+        return weights_in(file), [*made.get(STARTED_FROM, []), last]
 
 
 def _write_weights(given: argparse.Namespace, training: Training, history: list[dict[str, float]]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from functools import cache
 from importlib.resources import files
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
@@ -14,8 +14,14 @@ from toonkit.estimation.convolution import Weights
 
 @cache
 def read_weights(name: str) -> Weights:
-    """Read a network's weights, once in a process: layer -> float32 array."""
-    with files(__name__).joinpath(f"{name}.npz").open("rb") as file, np.load(file) as stored:
+    """Read a network's weights, once in a process."""
+    with files(__name__).joinpath(f"{name}.npz").open("rb") as file:
+        return weights_in(file)
+
+
+def weights_in(file: IO[bytes]) -> Weights:
+    """Read weights that a training wrote: layer -> float32 array."""
+    with np.load(file) as stored:
         return {layer: stored[layer].astype(np.float32) for layer in stored.files}
 
 
