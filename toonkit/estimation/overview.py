@@ -91,6 +91,7 @@ class Overview:
 
 
 _KNOWN: WeakKeyDictionary[Reading, Overview] = WeakKeyDictionary()
+"""Drawings that were reduced, each as long as its reading lives; N0 is another matter, and zero in all of them."""
 
 
 def _halvings(grid: MaskedGrid) -> list[Coarsening]:

@@ -29,8 +29,9 @@ from toonkit.numerics.bands import run_each
 from toonkit.numerics.unit_field import moved
 
 SQUARES = ((1.0, True), (1.045, False))
-"""Squares on which the network is asked: how much wider than the object needs, and whether mirrored across the light. The
-mean of two hangs less on where the pixels of a square happen to lie; on two cores they take as long as one."""
+"""Squares on which the network is asked: how much wider than the object needs, the first one not at all, and whether
+mirrored across the light. The mean of two hangs less on where the pixels of a square happen to lie; on two cores they take
+as long as one."""
 
 FINER = 2
 """How much finer than those squares the one is on which the answers meet."""
