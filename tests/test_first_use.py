@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,26 +13,27 @@ import pytest
 
 from tests.analytic import SOFT, ellipse, painted
 from toonkit import analyze, light_direction
+from toonkit.cli import main
 from toonkit.methods import first_use
-from toonkit.methods.first_use import LONGEST, share_compiling
+from toonkit.methods.first_use import LATEST, share_compiling
 
-COMPILE = "from toonkit.methods.first_use import compile_longest; compile_longest()"
+COMPILE = "from toonkit.methods.first_use import compile_latest; compile_latest()"
 
 ANALYSIS = """
 import numpy as np, toonkit, toonkit.methods
-from toonkit.methods.first_use import LONGEST
+from toonkit.methods.first_use import LATEST
 toonkit.methods.share_compiling = lambda: None
 mask = np.hypot(*(np.mgrid[:96, :96] - 47.5)) < 44
 color = np.where(np.mgrid[:96, :96][1][..., None] > 40, [0.9, 0.8, 0.6], [0.4, 0.2, 0.5])
 image = toonkit.ToonImage(color, mask)
 analysis = toonkit.analyze(image, toonkit.light_direction(30, 40))
 toonkit.analyze(image, toonkit.light_direction(40, 40), previous=analysis)
-print([(sum(loop.stats.cache_hits.values()), sum(loop.stats.cache_misses.values())) for loop in LONGEST])
+print([(sum(loop.stats.cache_hits.values()), sum(loop.stats.cache_misses.values())) for loop in LATEST])
 """
 
 COMPILED = """
 from toonkit.methods import first_use
-print([first_use._is_compiled(loop) for loop in first_use.LONGEST])
+print([first_use._is_compiled(loop) for loop in first_use.LATEST])
 """
 
 
@@ -51,11 +53,11 @@ class Started:
         return 0
 
 
-class AtOnce:
+class AtOnce(threading.Thread):
     """A thread that does its work when it is started."""
 
-    def __init__(self, *, target, **_: object) -> None:
-        self.start = target
+    def start(self) -> None:
+        self.run()
 
 
 @pytest.fixture
@@ -64,7 +66,7 @@ def started(monkeypatch: pytest.MonkeyPatch) -> Iterator[Started]:
     started = Started()
     share_compiling.cache_clear()
     monkeypatch.setattr(first_use, "Popen", started)
-    monkeypatch.setattr(first_use.threading, "Thread", AtOnce)
+    monkeypatch.setattr(first_use, "Thread", AtOnce)
     monkeypatch.setattr(first_use, "_cores", lambda: 2)
     monkeypatch.setattr(first_use, "_is_compiled", lambda loop: False)
     yield started
@@ -79,10 +81,10 @@ def said_by(program: str, cache: Path) -> str:
 
 
 def test_analyses_find_compiled_what_the_second_process_compiled(tmp_path: Path) -> None:
-    assert said_by(COMPILED, tmp_path) == str([False] * len(LONGEST))
+    assert said_by(COMPILED, tmp_path) == str([False] * len(LATEST))
     said_by(COMPILE, tmp_path)
-    assert said_by(COMPILED, tmp_path) == str([True] * len(LONGEST))
-    assert said_by(ANALYSIS, tmp_path) == str([(1, 0)] * len(LONGEST))
+    assert said_by(COMPILED, tmp_path) == str([True] * len(LATEST))
+    assert said_by(ANALYSIS, tmp_path) == str([(1, 0)] * len(LATEST))
 
 
 def test_the_first_analysis_starts_a_second_process_once(started: Started) -> None:
@@ -98,6 +100,11 @@ def test_the_first_analysis_starts_a_second_process_once(started: Started) -> No
 def test_a_method_without_those_loops_starts_none(started: Started) -> None:
     analyze(painted(ellipse(12, 9).normals, SOFT), light_direction(118, 41), method="lumo")
     assert started.commands == []
+
+
+def test_the_command_line_starts_it_before_it_reads_the_drawing(started: Started, tmp_path: Path) -> None:
+    assert main(["analyze", "--quiet", str(tmp_path / "missing.png"), "-o", str(tmp_path)]) == 2
+    assert len(started.commands) == 1
 
 
 def test_it_finds_modules_where_this_process_does_and_nowhere_else(

@@ -156,8 +156,10 @@ def _joined_lights(argv: Sequence[str]) -> list[str]:
 def _analyze(arguments: argparse.Namespace) -> int:
     import toonkit  # noqa: PLC0415
     from toonkit.export.folder import make_folder, write_analysis_folder  # noqa: PLC0415
+    from toonkit.methods import compile_ahead  # noqa: PLC0415
     from toonkit.metrics import color_rmse  # noqa: PLC0415
 
+    compile_ahead(arguments.method)
     given = None if arguments.light == "auto" else parse_light(arguments.light)
     with StepBar(visible=not arguments.quiet) as progress:
         progress("reading the drawing", 0.0)

@@ -50,6 +50,12 @@ REFINING = (toonkit, classical)
 """Estimators that run the loops which take longest to compile."""
 
 
+def compile_ahead(method: str) -> None:
+    """Have a second process compile what a method needs last, on a machine that has not: the earlier, the better."""
+    if METHODS.get(method) in REFINING:
+        share_compiling()
+
+
 def analyze(
     image: ToonImage,
     light: ArrayLike | None = None,
@@ -105,8 +111,7 @@ def analyze(
         same_mask("previous", previous.image.mask, image.mask, "the picture")
         if "previous" in inspect.signature(estimator).parameters:
             estimator = functools.partial(estimator, previous=previous)
-    if METHODS[method] in REFINING:
-        share_compiling()
+    compile_ahead(method)
     with single_threaded_blas():
         direction = estimate_light(image).light if light is None else light
         return estimator(image, direction, progress=progress)

@@ -1,14 +1,14 @@
-"""The first analysis on a machine compiles: a second process takes the longest loops, while this one sees to the rest."""
+"""The first analysis on a machine compiles: a second process takes the last loops, while this one sees to the rest."""
 
 from __future__ import annotations
 
 import multiprocessing
 import os
 import sys
-import threading
 from functools import cache
 from pathlib import Path
 from subprocess import DEVNULL, Popen
+from threading import Thread
 from typing import Any
 
 import numpy as np
@@ -16,10 +16,11 @@ import numpy as np
 from toonkit._validation import as_light
 from toonkit.numerics.masked_grid import MaskedGrid
 from toonkit.numerics.membrane import uniform_links
-from toonkit.numerics.unit_field_kernels import relax, slope
+from toonkit.numerics.unit_field_kernels import finish_blocks, gather_blocks, relax, slope
 
-LONGEST = (slope, relax)
-"""The loops that take longest to compile, in the order in which they are needed, which is late."""
+LATEST = (slope, relax, finish_blocks, gather_blocks)
+"""The loops that are needed last, half of what there is to compile; the last of them last, so that a process that comes
+too early for one takes the next from the other end."""
 
 NO_WINDOW = 0x08000000
 """What keeps Windows from opening one for a new process."""
@@ -28,41 +29,60 @@ NO_WINDOW = 0x08000000
 @cache
 def share_compiling() -> None:
     """
-    Let a second process compile the longest loops, if none has done so on this machine.
+    Let a second process compile the last loops, if none has done so on this machine.
 
     It writes them where this process will look for them when it needs them; if it fails, or is late, this one compiles them
     itself. Nothing is done in one of many workers, on a single core, or where Python is inside of another program.
     """
     if not _is_interpreter() or multiprocessing.parent_process() is not None or _cores() == 1:
         return
-    if all(map(_is_compiled, LONGEST)):
+    if all(map(_is_compiled, LATEST)):
         return
     # It finds modules where this process does, and nowhere else.
     command = (
-        f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import compile_longest; compile_longest()"
+        f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import compile_latest; compile_latest()"
     )
     try:
         helper = Popen(
             [sys.executable, "-c", command],
             stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL, creationflags=NO_WINDOW if os.name == "nt" else 0,
         )  # fmt: skip
-        threading.Thread(target=helper.wait, name="toonkit-first-use", daemon=True).start()
+        Thread(target=helper.wait, name="toonkit-first-use", daemon=True).start()
     except (OSError, RuntimeError):  # no more processes, or no more threads
         return
 
 
-def compile_longest() -> None:
+def compile_latest() -> None:
     """Compile the loops for what an analysis calls them with, by calling them on a few pixels."""
     grid = MaskedGrid(np.ones((2, 2), np.bool_))
     normals, none = np.tile([0.0, 0.0, 1.0], (grid.size, 1)), np.zeros(0)
     bounds = np.zeros(grid.size)
     light = as_light("light", (0.0, 0.0, 1.0))  # which cannot be written to, as every light
+    data = (none, none, bounds, bounds, bounds)
     problem = (
-        grid.neighbors, normals, light, none, none, bounds, bounds, bounds, uniform_links(grid), bounds, 1.0, 1.0,
-        np.zeros((0, 3)),
+        grid.neighbors, normals, light, *data, uniform_links(grid), bounds, 1.0, 1.0, np.zeros((0, 3)),
     )  # fmt: skip
     slope(*problem, normals, normals.copy(), 0, grid.size)
     relax(*problem, normals.copy(), False, 0, grid.size)
+    step, (hold, lower, upper, weight) = grid.coarsening, np.zeros((4, grid.coarsening.coarse.size))
+    means, slopes = np.zeros((2, step.coarse.size, 3))
+    gather_blocks(
+        step.parent,
+        light,
+        normals,
+        normals,
+        none,
+        *data[2:],
+        means,
+        slopes,
+        hold,
+        lower,
+        upper,
+        weight,
+        0,
+        grid.size,
+    )
+    finish_blocks(light, means, lower, upper, weight, np.empty(step.coarse.size), 0, step.coarse.size)
 
 
 def _is_interpreter() -> bool:
