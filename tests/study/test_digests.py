@@ -16,15 +16,15 @@ from toonkit import METHODS, ColorMap
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.digests import (
     CODE,
-    LEARNED,
-    LEARNED_DIGESTS,
     MEASURED_BY,
     PACKAGE,
+    PART_DIGESTS,
+    PARTS,
     code_digest,
     color_map_digest,
-    learned_digest,
     light_track_digests,
     method_digest,
+    part_digest,
     subject_digest,
 )
 from toonkit.study.registry import View
@@ -56,27 +56,34 @@ def test_the_digest_of_the_code_follows_the_code_and_not_its_words(tmp_path):
     assert code_digest(copy) != original
 
 
-@pytest.mark.parametrize(("learned", "depending"), [("shape", {"shape", "light"}), ("light", {"light"})])
-def test_what_was_learned_has_a_digest_of_its_own(learned, depending, tmp_path):
+@pytest.mark.parametrize(
+    ("file", "depending"),
+    [
+        ("estimation/weights/shape_prior.npz", {"shape", "light"}),
+        ("estimation/weights/light_prior.npz", {"light"}),
+        ("estimation/convolution.py", {"shape", "light"}),
+        ("estimation/edges.py", {"refinement"}),
+        ("numerics/unit_field_kernels.py", {"refinement"}),
+    ],
+)
+def test_what_some_methods_use_has_digests_of_its_own(file, depending, tmp_path):
     copy = tmp_path / "toonkit"
     shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    before = {name: learned_digest(name, copy) for name in LEARNED}
-    assert before == LEARNED_DIGESTS
-    weights = copy / "estimation" / "weights" / f"{learned}_prior.npz"
-    weights.write_bytes(weights.read_bytes() + b" ")
-    changed = {name for name in LEARNED if learned_digest(name, copy) != before[name]}
-    assert changed == depending
-    code = copy / "estimation" / "convolution.py"
-    code.write_text(code.read_text() + "\nSTEP = 1\n")
-    assert {name for name in LEARNED if learned_digest(name, copy) != before[name]} == set(LEARNED)
+    before = {name: part_digest(name, copy) for name in PARTS}
+    assert before == PART_DIGESTS
+    (copy / file).write_bytes(
+        (copy / file).read_bytes() + (b"\nSTEP = 1\n" if file.endswith(".py") else b" ")
+    )
+    assert {name for name in PARTS if part_digest(name, copy) != before[name]} == depending
     assert code_digest(copy) == CODE
 
 
 def test_all_code_of_the_estimation_has_a_digest():
     known = set((PACKAGE / "estimation").glob("*.py"))
-    learned = {PACKAGE / name for names in LEARNED.values() for name in names}
-    assert {path.name for path in learned if path.parent.name == "estimation"} == {
+    parts = {PACKAGE / name for names in PARTS.values() for name in names}
+    assert {path.name for path in parts if path.parent.name == "estimation"} == {
         "convolution.py",
+        "edges.py",
         "light_fit.py",
         "light_prior.py",
         "overview.py",
@@ -84,23 +91,25 @@ def test_all_code_of_the_estimation_has_a_digest():
         "tone_ranks.py",
         "working_square.py",
     }
-    assert all(path.exists() for path in learned)
+    assert all(path.exists() for path in parts)
     assert "estimation" in MEASURED_BY
-    assert known - learned
+    assert known - parts
 
 
-@pytest.mark.parametrize(("learned", "asking"), [("shape", {"toonkit"}), ("light", set())])
-def test_a_method_depends_on_what_it_asks_of_the_learned(learned, asking, monkeypatch):
+@pytest.mark.parametrize(
+    ("part", "using"), [("shape", {"toonkit"}), ("light", set()), ("refinement", {"toonkit", "classical"})]
+)
+def test_a_method_depends_on_the_parts_that_it_uses(part, using, monkeypatch):
     methods = {**METHODS, "mine": made(1)}
     before = {name: method_digest(method) for name, method in methods.items()}
-    monkeypatch.setitem(LEARNED_DIGESTS, learned, "other weights")
+    monkeypatch.setitem(PART_DIGESTS, part, "another")
     changed = {name for name, method in methods.items() if method_digest(method) != before[name]}
-    assert changed == asking | {"mine"}
+    assert changed == using | {"mine"}
 
 
 def test_only_an_estimated_light_depends_on_what_was_learned_of_lights(monkeypatch):
     before = light_track_digests()
-    monkeypatch.setitem(LEARNED_DIGESTS, "light", "other weights")
+    monkeypatch.setitem(PART_DIGESTS, "light", "other weights")
     after = light_track_digests()
     assert set(before) == set(LIGHT_TRACKS)
     assert {track for track in LIGHT_TRACKS if before[track] != after[track]} == {"estimated"}

@@ -28,26 +28,28 @@ _NETWORKS = tuple(
 
 _SHAPE = ("estimation/shape_prior.py", "estimation/weights/shape_prior.npz", *_NETWORKS)
 
-LEARNED = {
+PARTS = {
     "shape": _SHAPE,
     "light": (
         "estimation/light_prior.py", "estimation/light_fit.py", "estimation/weights/light_prior.npz", *_SHAPE,
     ),
+    "refinement": ("estimation/edges.py", "numerics/unit_field.py", "numerics/unit_field_kernels.py"),
 }  # fmt: skip
-"""What was learned, in `toonkit/`: trials depend on it only by a method that asks it, or by a light that is estimated, of
-which the learned shape is a judge."""
+"""Files in `toonkit/` that trials depend on only by a method that uses them, or by a light that is estimated: what was
+learned of shapes and of lights, of which the learned shape is a judge, and the solver of our own refinement."""
 
-_ASKED = {
+_USED_BY = {
     "shape": ("shape_prior",),
     "light": ("light_fit", "light_prior"),
-}  # modules that a method imports to ask it
+    "refinement": (".refined(", "shape_prior"),
+}  # what a method's module says if it uses them
 
 MEASURED_BY = (
     "_validation.py", "analysis.py", "metrics.py", "relighting.py", "model", "numerics", "methods/steps.py", "estimation",
     *(f"study/{name}" for name in ("contestants.py", "registry.py", "rendering.py", "subjects.py", "trials.py")),
     *(f"study/solids/{name}" for name in ("mesh_rays.py", "sphere_tracing.py")),
 )  # fmt: skip
-"""Modules that every trial depends on, in `toonkit/`, but for `LEARNED`; methods and subjects have digests of their own."""
+"""Modules that every trial depends on, in `toonkit/`, but for `PARTS`; methods and subjects have digests of their own."""
 
 _PROBES = np.random.default_rng(0).uniform(-BOUND, BOUND, (4096, 3))
 _PLAIN = (type(None), bool, int, float, complex, str, bytes)
@@ -55,17 +57,17 @@ _PLAIN = (type(None), bool, int, float, complex, str, bytes)
 
 def code_digest(package: Path = PACKAGE) -> str:
     """Return a digest of the code that measures every trial: comments, docstrings and layout do not count."""
-    learned = {package / name for names in LEARNED.values() for name in names}
+    parts = {package / name for names in PARTS.values() for name in names}
     files: list[Path] = []
     for name in MEASURED_BY:
         path = package / name
         files += sorted(path.glob("*.py")) if path.is_dir() else [path]
-    return _digest_of([file for file in files if file not in learned], package)
+    return _digest_of([file for file in files if file not in parts], package)
 
 
-def learned_digest(name: str, package: Path = PACKAGE) -> str:
-    """Return a digest of what was learned of the "shape" or the "light": code and weights."""
-    return _digest_of([package / file for file in LEARNED[name]], package)
+def part_digest(name: str, package: Path = PACKAGE) -> str:
+    """Return a digest of one of `PARTS`: code and weights."""
+    return _digest_of([package / file for file in PARTS[name]], package)
 
 
 def _digest_of(files: list[Path], package: Path) -> str:
@@ -78,7 +80,7 @@ def _digest_of(files: list[Path], package: Path) -> str:
 
 def light_track_digests() -> dict[str, str]:
     """Return, for each light track, a digest of what was learned that its trials depend on."""
-    return {"given": "", "estimated": LEARNED_DIGESTS["light"]}
+    return {"given": "", "estimated": PART_DIGESTS["light"]}
 
 
 def subject_digest(subject: Subject) -> str:
@@ -102,23 +104,23 @@ def method_digest(method: object) -> str:
     Return a digest of a callable: its source, and what it closes over, calls beside itself, or was bound to.
 
     What it calls of toonkit is known by `CODE`, and of other packages by their versions. A method of toonkit itself is known
-    by its module, and by what was learned that the module imports; any other may call all that was learned.
+    by its module, and by those of `PARTS` that the module uses; any other may use all of them.
     """
     digest = hashlib.sha256()
-    for name in LEARNED:
-        if _may_ask(method, name):
-            digest.update(LEARNED_DIGESTS[name].encode())
+    for name in PARTS:
+        if _may_use(method, name):
+            digest.update(PART_DIGESTS[name].encode())
     for part in _parts(method, {}):
         digest.update(f"{len(part)}:".encode() + part)
     return digest.hexdigest()
 
 
-def _may_ask(method: object, name: str) -> bool:
-    """Tell whether a method may call what was learned."""
+def _may_use(method: object, name: str) -> bool:
+    """Tell whether a method may use one of `PARTS`."""
     if not (isinstance(method, types.FunctionType) and method.__module__.startswith("toonkit.")):
         return True
     file = sys.modules[method.__module__].__file__
-    return file is None or any(module in _bare(Path(file)) for module in _ASKED[name])
+    return file is None or any(word in _bare(Path(file)) for word in _USED_BY[name])
 
 
 def _parts(value: Any, seen: dict[int, Any]) -> Iterator[bytes]:
@@ -234,8 +236,8 @@ def _is_text(node: ast.AST) -> bool:
 CODE = code_digest()
 """Digest of the code that runs: taken when it was imported, whatever became of the files since."""
 
-LEARNED_DIGESTS = {name: learned_digest(name) for name in LEARNED}
-"""Digests of what was learned, taken likewise."""
+PART_DIGESTS = {name: part_digest(name) for name in PARTS}
+"""Digests of `PARTS`, taken likewise."""
 
-EVERYTHING = hashlib.sha256("".join([CODE, *LEARNED_DIGESTS.values()]).encode()).hexdigest()
-"""Digest of both, in which all processes of a run must agree."""
+EVERYTHING = hashlib.sha256("".join([CODE, *PART_DIGESTS.values()]).encode()).hexdigest()
+"""Digest of all of it, in which all processes of a run must agree."""
