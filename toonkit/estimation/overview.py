@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -20,9 +20,9 @@ LONGEST = 320
 
 
 @dataclass(frozen=True, eq=False)
-class Overview:
+class ReducedPaint:
     """
-    An object in blocks of 2^k x 2^k pixels.
+    A drawing in blocks of 2^k x 2^k pixels.
 
     Attributes
     ----------
@@ -36,8 +36,6 @@ class Overview:
         Tone of each block's mean light, plain: what the same drawing shows that was reduced before it was given.
     ink : ndarray, shape (Q,)
         bool, the blocks of whose object ink touches at least half.
-    initial : ndarray, shape (Q, 3)
-        Mean of N0 in each block, unit vectors.
     """
 
     grid: MaskedGrid
@@ -45,38 +43,29 @@ class Overview:
     filled: BoolArray
     tones: FloatArray
     ink: BoolArray
+
+
+@dataclass(frozen=True, eq=False)
+class Overview(ReducedPaint):
+    """
+    A drawing in blocks, with its inflated shape.
+
+    Attributes
+    ----------
+    initial : ndarray, shape (Q, 3)
+        Mean of N0 in each block, unit vectors.
+    """
+
     initial: FloatArray
 
     @classmethod
     def of(cls, read: Reading, initial: FloatArray) -> Overview:
         """Reduce a drawing and its N0 (P, 3); the drawing once, however often it is asked for."""
-        known = _KNOWN.get(read)
-        if known is None:
-            known = _KNOWN[read] = cls._of_paint(read)
-        return replace(known, initial=_directions(known.steps, initial)[known.filled])
-
-    @classmethod
-    def _of_paint(cls, read: Reading) -> Overview:
-        steps = _halvings(read.grid)
-        factor = 2 ** len(steps)
-        grid = steps[-1].coarse if steps else read.grid
-        area = _block_sums(steps, np.ones(read.grid.size))
-        filled = 2 * area >= factor**2
-        if not filled.any():  # nothing but lines
-            filled = np.ones_like(filled)
-        mask = np.zeros_like(grid.mask)
-        mask[grid.rows[filled], grid.columns[filled]] = True
-        reduced = MaskedGrid(mask)
-        tones = read.tones.plain
-        if steps:
-            light = (_block_sums(steps, read.tones.light) / area[:, None])[filled]
-            tones = PaintedTones.between(light, linear_to_srgb(light @ REC709), reduced).plain
-        ink = np.zeros(reduced.size, np.bool_)
-        if read.line_art is not None:
-            touched = np.zeros(read.grid.size)
-            touched[read.line_art.pixels] = 1.0
-            ink = (2 * _block_sums(steps, touched) >= area)[filled]
-        return cls(reduced, steps, filled, tones, ink, np.zeros((reduced.size, 3)))
+        paint = _KNOWN.get(read)
+        if paint is None:
+            paint = _KNOWN[read] = _reduced(read)
+        directions = _directions(paint.steps, initial)[paint.filled]
+        return cls(paint.grid, paint.steps, paint.filled, paint.tones, paint.ink, directions)
 
     @property
     def factor(self) -> int:
@@ -90,8 +79,31 @@ class Overview:
         return blocks != OUTSIDE, ink, _sampled(self.tones, blocks), _sampled(self.initial, blocks)
 
 
-_KNOWN: WeakKeyDictionary[Reading, Overview] = WeakKeyDictionary()
-"""Drawings that were reduced, each as long as its reading lives; N0 is another matter, and zero in all of them."""
+_KNOWN: WeakKeyDictionary[Reading, ReducedPaint] = WeakKeyDictionary()
+"""Drawings that were reduced, each as long as its reading lives."""
+
+
+def _reduced(read: Reading) -> ReducedPaint:
+    steps = _halvings(read.grid)
+    factor = 2 ** len(steps)
+    grid = steps[-1].coarse if steps else read.grid
+    area = _block_sums(steps, np.ones(read.grid.size))
+    filled = 2 * area >= factor**2
+    if not filled.any():  # nothing but lines
+        filled = np.ones_like(filled)
+    mask = np.zeros_like(grid.mask)
+    mask[grid.rows[filled], grid.columns[filled]] = True
+    reduced = MaskedGrid(mask)
+    tones = read.tones.plain
+    if steps:
+        light = (_block_sums(steps, read.tones.light) / area[:, None])[filled]
+        tones = PaintedTones.between(light, linear_to_srgb(light @ REC709), reduced).plain
+    ink = np.zeros(reduced.size, np.bool_)
+    if read.line_art is not None:
+        touched = np.zeros(read.grid.size)
+        touched[read.line_art.pixels] = 1.0
+        ink = (2 * _block_sums(steps, touched) >= area)[filled]
+    return ReducedPaint(reduced, steps, filled, tones, ink)
 
 
 def _halvings(grid: MaskedGrid) -> list[Coarsening]:

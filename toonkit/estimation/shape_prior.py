@@ -69,13 +69,8 @@ def correct_shape(image: ToonImage, light: FloatArray, initial_normals: NormalFi
     overview = Overview.of(read, initial)
     square = WorkingSquare.around(overview.grid, light[:2])
 
-    views = [_View.of(overview, light, square.widened(wider)) for wider, _ in SQUARES]
-
-    def answered(view: _View, wider: float, mirrored: bool) -> FloatArray:
-        return _resampled(view.answered(mirrored=mirrored), wider, FINER * SIZE)
-
-    asked = [partial(answered, view, *how) for view, how in zip(views, SQUARES, strict=True)]
-    change = np.mean(run_each(asked), axis=0) * views[0].need()
+    views = [_View.of(overview, light, square, *how) for how in SQUARES]
+    change = np.mean(run_each([view.answer_on_the_finer_square for view in views]), axis=0) * views[0].need()
     spread = square.enlarged(overview.factor).spread(square.turned_back(change), read.grid)
     return NormalField.of_pixels(moved(read.grid, initial, spread), image.mask)
 
@@ -105,7 +100,7 @@ def misfit(image: ToonImage, lights: FloatArray, initial_normals: NormalField) -
         view = _View.of(overview, light, WorkingSquare.around(overview.grid, light[:2]))
         if not view.seen_mask.any():
             return 1.0
-        seen = view.features(completed(view.initial + view.answered(mirrored=False)))
+        seen = view.features(completed(view.initial + view.answer()))
         return _missed(seen) / max(float(np.var(seen[4][view.seen_mask])), 1e-12)
 
     return np.array(run_each([partial(missed, light) for light in lights]))
@@ -122,6 +117,10 @@ class _View:
         What is there; N0 in the square's axes.
     elevation : float
         Of the light, radians.
+    wider : float
+        How much wider than the object needs the square is.
+    mirrored : bool
+        Whether the network sees the picture mirrored across the light.
     """
 
     seen_mask: BoolArray
@@ -129,13 +128,22 @@ class _View:
     tones: Array
     initial: Array
     elevation: float
+    wider: float
+    mirrored: bool
 
     @classmethod
-    def of(cls, overview: Overview, light: FloatArray, square: WorkingSquare) -> _View:
-        """Sample a drawing's tones and N0."""
-        mask, ink, tones, initial = overview.seen_from(square)
+    def of(
+        cls,
+        overview: Overview,
+        light: FloatArray,
+        square: WorkingSquare,
+        wider: float = 1.0,
+        mirrored: bool = False,
+    ) -> _View:
+        """Sample a drawing's tones and N0 on the object's square, or on a wider one."""
+        mask, ink, tones, initial = overview.seen_from(square.widened(wider))
         elevation = float(np.arctan2(light[2], np.hypot(*light[:2])))
-        return cls(mask, ink, tones, square.turned(initial), elevation)
+        return cls(mask, ink, tones, square.turned(initial), elevation, wider, mirrored)
 
     def features(self, normals: NDArray[Any]) -> Array:
         """Return the features, given normals."""
@@ -153,14 +161,18 @@ class _View:
         missed = _missed(self.seen)
         return missed / (missed + NEGLIGIBLE**2)
 
-    def answered(self, *, mirrored: bool) -> Array:
+    def answer(self) -> Array:
         """Return the change of N0, (SIZE, SIZE, 3), that the network asks for; beside the object as at its nearest pixel."""
         if not self.seen_mask.any():
             return np.zeros_like(self.initial)
-        change = _answer(read_weights("shape_prior"), self.seen, mirrored=mirrored)
+        change = _answer(read_weights("shape_prior"), self.seen, mirrored=self.mirrored)
         change = completed(self.initial + change) - self.initial
         nearest = distance_transform_edt(~self.seen_mask, return_distances=False, return_indices=True)
         return np.asarray(change[tuple(nearest)])
+
+    def answer_on_the_finer_square(self) -> FloatArray:
+        """Return the answer on the object's square, `FINER` times as fine."""
+        return _resampled(self.answer(), self.wider, FINER * SIZE)
 
 
 def _resampled(field: NDArray[Any], wider: float, size: int) -> FloatArray:
