@@ -156,7 +156,8 @@ def solve_unit_field(
     best = int(np.argmin(energies))
     energies[1] = energies[best]
     tell(0.2)
-    descent = _Descent(levels, starts[best].copy(), gradients[best], gradients[1 - best], energies[1])
+    field = starts[1] if best else problem.start.copy()
+    descent = _Descent(levels, field, gradients[best], gradients[1 - best], energies[1])
     gained = True
     while gained and len(energies) - 2 < max_cycles:
         descent.advance()
@@ -191,6 +192,10 @@ class _Descent:
     def advance(self) -> None:
         """Make one step; stay where no step lowers the energy."""
         finest = self.levels[0]
+        if self._step is not None and self._step is finest.room(
+            "step"
+        ):  # it stays, the next one takes another room
+            finest.rooms.update({"step": finest.room("other step"), "other step": self._step})
         improved = self._trial
         improved[:] = self.field
         _correct(self.levels, 0, finest.data, _NO_SOURCE, improved, self.gradient, self.energy)
@@ -233,8 +238,7 @@ class _Descent:
         if last != best:
             tried(best)
         self._gradient_before, self.gradient = self.gradient, slopes
-        if step is not self._step:
-            self._step = step.copy()
+        self._step = step
         self._slope_before = first
         self.field, self._trial, self.energy = trial, self.field, lowest
 
@@ -259,9 +263,16 @@ class _Level:
     rooms: dict[str, FloatArray] = field(default_factory=dict)
 
     def room(self, name: str) -> FloatArray:
-        """Memory for a field of vectors, kept: new memory costs as much as what is done in it."""
+        """Memory for a field of vectors, kept: new memory costs more than what is done in it."""
         if name not in self.rooms:
             self.rooms[name] = np.empty_like(self.problem.start)
+        return self.rooms[name]
+
+    def cleared(self, name: str, count: int) -> FloatArray:
+        """Memory for so many numbers a pixel, (count, P), kept and set to zero."""
+        if name not in self.rooms:
+            self.rooms[name] = np.empty((count, self.problem.grid.size))
+        self.rooms[name].fill(0.0)
         return self.rooms[name]
 
     @property
@@ -295,21 +306,21 @@ class _Level:
         self.problem.grid.bands.run(retract, field, step, length, out)
         return out
 
-    def restricted(
-        self, data: _Data, field: FloatArray, gradient: FloatArray
+    def restrict(
+        self, data: _Data, field: FloatArray, gradient: FloatArray, coarse: _Level
     ) -> tuple[FloatArray, FloatArray, _Data]:
-        """Mean vectors, summed slopes and illumination of the blocks, as the coarser grid sees them."""
+        """Mean vectors, summed slopes and illumination of the blocks, as the coarser level sees them; in its rooms."""
         assert self.step is not None
-        size = self.step.coarse.size
         light = self.problem.direction
-        mean, slopes = np.zeros((size, 3)), np.zeros((size, 3))
-        hold, lower, upper, weight = np.zeros((4, size))
+        mean, slopes = coarse.room("start"), coarse.room("slopes")
+        mean.fill(0.0)
+        slopes.fill(0.0)
+        hold, lower, upper, weight, lit = coarse.cleared("illumination", 5)
         self.problem.grid.bands.run(
             gather_blocks, self.step.parent, light, field, gradient, data.hold, data.lower, data.upper, data.weight,
             mean, slopes, hold, lower, upper, weight,
         )  # fmt: skip
-        lit = np.empty(size)
-        self.step.coarse.bands.run(finish_blocks, light, mean, lower, upper, weight, lit)
+        coarse.problem.grid.bands.run(finish_blocks, light, mean, lower, upper, weight, lit)
         return mean, slopes, _Data(hold, lit, lower, upper, weight)
 
 
@@ -366,13 +377,17 @@ def _correct(
     if level.step is None:
         _cycle(levels, depth, data, source, field)
         return
-    coarse_start, slopes, coarse_data = level.restricted(data, field, gradient)
+    coarse = levels[depth + 1]
+    coarse_start, slopes, coarse_data = level.restrict(data, field, gradient, coarse)
     # What makes the coarse grid stand still where this one does.
-    standing = np.empty_like(coarse_start)
-    levels[depth + 1].slope(coarse_start, standing, coarse_data)
-    coarse_field = coarse_start.copy()
-    _cycle(levels, depth + 1, coarse_data, standing - slopes, coarse_field)
-    step = level.step.interpolated(coarse_field - coarse_start, level.room("step"))
+    standing = coarse.room("standing")
+    coarse.slope(coarse_start, standing, coarse_data)
+    standing -= slopes
+    change = coarse.room("change")
+    change[:] = coarse_start
+    _cycle(levels, depth + 1, coarse_data, standing, change)
+    change -= coarse_start
+    step = level.step.interpolated(change, level.room("step"))
     length = 1.0
     if len(field) < SMALL:
         along = inner(gradient, step)
