@@ -53,14 +53,17 @@ def test_dragging_moves_light_picture_and_sliders_together(relight_page, target)
     drag(relight_page, target, (-0.3, 0.0))
     assert np.abs(relit_pixels(relight_page) - before).max() > 30
     azimuth, elevation = sliders(relight_page, "relit")
-    assert abs(azimuth) == 180
+    assert azimuth == 180
     assert 40 < elevation < 80
 
 
-def test_a_slider_moves_the_light(relight_page):
-    relight_page.locator(".card.relit input").nth(0).fill("90")
+@pytest.mark.parametrize(("azimuth", "side"), [(90, -1), (246, 1)])
+def test_a_slider_moves_the_light(relight_page, azimuth, side):
+    relight_page.locator(".card.relit input").nth(0).fill(str(azimuth))
     relight_page.wait_for_timeout(200)
-    assert sliders(relight_page, "relit")[0] == 90
+    assert sliders(relight_page, "relit")[0] == azimuth
+    dot, ball = (relight_page.locator(f".card.relit {part}").bounding_box() for part in (".dot", ".ball-box"))
+    assert side * (dot["y"] + dot["height"] / 2 - ball["y"] - ball["height"] / 2) > 0.2 * ball["height"]
 
 
 def test_reset_shows_the_drawing_unchanged(relight_page):

@@ -72,6 +72,9 @@ const PAUSE = `<svg viewBox="0 0 24 24"><path d="M7 5h3.5v14H7zM13.5 5H17v14h-3.
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high)
 const radians = (degrees) => degrees * Math.PI / 180
 
+// What a slider shows of a light, whole degrees: an azimuth counts once around from the right, as everywhere in toonkit.
+const shown = ([azimuth, elevation]) => [(Math.round(azimuth) + 360) % 360, Math.round(elevation)]
+
 function direction([azimuth, elevation]) {
   const [a, e] = [radians(azimuth), radians(elevation)]
   return [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)]
@@ -226,7 +229,7 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
   const ball = element(ballBox, "canvas", "ball")
   const dot = element(ballBox, "div", "dot")
   const right = element(controls, "div", "right")
-  const sliders = [["Azimuth", -180, 180], ["Elevation", 0, 90]].map(([label, min, max]) => {
+  const sliders = [["Azimuth", 0, 359], ["Elevation", 0, 90]].map(([label, min, max]) => {
     const row = element(right, "label", "slider", `<span>${label}</span>
       <input type="range" min="${min}" max="${max}" step="1" aria-label="${title}: ${label.toLowerCase()} in degrees"><output></output>`)
     return {input: row.querySelector("input"), output: row.querySelector("output")}
@@ -245,9 +248,10 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
     sun.style.transform = `translate(${x * (half - 16)}px, ${-y * (half - 16)}px)`
     dot.style.transform = `translate(${x * 46}%, ${-y * 46}%)`
     sliders.forEach(({input, output}, index) => {
-      const text = `${Math.round(angles[index])}°`
+      const value = shown(angles)[index]
+      const text = `${value}°`
       if (output.textContent === text) { return }
-      input.value = Math.round(angles[index])
+      input.value = value
       output.textContent = text
     })
   }
@@ -281,7 +285,8 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
   draggable(ballBox, 4)
   sliders.forEach(({input}, index) => {
     input.addEventListener("input", () => {
-      onMove(index === 0 ? [Number(input.value), angles[1]] : [angles[0], Number(input.value)])
+      const value = Number(input.value)
+      onMove(index === 0 ? [value > 180 ? value - 360 : value, angles[1]] : [angles[0], value])
     })
     input.addEventListener("change", onRelease)
   })
