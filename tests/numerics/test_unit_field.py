@@ -115,6 +115,25 @@ def test_coarse_grids_stand_still_where_the_fine_one_does(seed):
     assert np.abs(moved - solved).max() > 10 * np.abs(again - solved).max()
 
 
+@pytest.mark.usefixtures("several_grids")
+@pytest.mark.parametrize("seed", range(4))
+def test_memory_that_is_kept_changes_nothing(seed, monkeypatch):
+    problem, _ = random_problem(seed, size=20)
+    kept, report = solve_unit_field(problem, max_cycles=8)
+
+    def new_room(level, _name):
+        return np.full_like(level.problem.start, np.nan)
+
+    def new_zeros(level, _name, count):
+        return np.zeros((count, level.problem.grid.size))
+
+    monkeypatch.setattr(unit_field._Level, "room", new_room)
+    monkeypatch.setattr(unit_field._Level, "cleared", new_zeros)
+    new, its_report = solve_unit_field(problem, max_cycles=8)
+    assert np.array_equal(new, kept)
+    assert np.array_equal(its_report.energies, report.energies)
+
+
 def test_a_guess_near_the_answer_takes_fewer_cycles():
     problem, _ = random_problem(5, size=60)
     solved, cold = solve_unit_field(problem, tolerance=1e-5)

@@ -159,8 +159,8 @@ def _analyze(arguments: argparse.Namespace) -> int:
     from toonkit.methods import compile_ahead  # noqa: PLC0415
     from toonkit.metrics import color_rmse  # noqa: PLC0415
 
-    compile_ahead(arguments.method)
     given = None if arguments.light == "auto" else parse_light(arguments.light)
+    compile_ahead(arguments.method)
     with StepBar(visible=not arguments.quiet) as progress:
         progress("reading the drawing", 0.0)
         image = toonkit.load_image(_drawing(arguments.drawing), mask=arguments.mask)

@@ -68,7 +68,7 @@ class RefinementOptions:
         How firmly the silhouette's normals hold, 0 (free) to 1 (as firmly as neighbors hold each other).
     tolerance : float
         Relative decrease of the energy in one cycle of the solver at which it stops: all others together would gain less
-        than half of that.
+        than that.
     """
 
     margin: float = 0.05

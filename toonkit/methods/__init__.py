@@ -47,7 +47,7 @@ METHODS: dict[str, Method] = {
 """Name -> estimator. Adding one is `METHODS["name"] = function`."""
 
 REFINING = (toonkit, classical)
-"""Estimators that run the loops which take longest to compile."""
+"""Estimators that run the loops which a second process compiles ahead."""
 
 
 def compile_ahead(method: str) -> None:

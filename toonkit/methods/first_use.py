@@ -18,9 +18,9 @@ from toonkit.numerics.masked_grid import MaskedGrid
 from toonkit.numerics.membrane import uniform_links
 from toonkit.numerics.unit_field_kernels import finish_blocks, gather_blocks, relax, slope
 
-LATEST = (slope, relax, finish_blocks, gather_blocks)
-"""The loops that are needed last, half of what there is to compile; the last of them last, so that a process that comes
-too early for one takes the next from the other end."""
+LATEST = (relax, slope, finish_blocks, gather_blocks)
+"""The loops that are needed last, half of what there is to compile. The two of the blocks in reverse: where the first
+process comes too early, it compiles the one while the second compiles the other."""
 
 NO_WINDOW = 0x08000000
 """What keeps Windows from opening one for a new process."""
@@ -58,31 +58,19 @@ def compile_latest() -> None:
     normals, none = np.tile([0.0, 0.0, 1.0], (grid.size, 1)), np.zeros(0)
     bounds = np.zeros(grid.size)
     light = as_light("light", (0.0, 0.0, 1.0))  # which cannot be written to, as every light
-    data = (none, none, bounds, bounds, bounds)
     problem = (
-        grid.neighbors, normals, light, *data, uniform_links(grid), bounds, 1.0, 1.0, np.zeros((0, 3)),
+        grid.neighbors, normals, light, none, none, bounds, bounds, bounds, uniform_links(grid), bounds, 1.0, 1.0,
+        np.zeros((0, 3)),
     )  # fmt: skip
-    slope(*problem, normals, normals.copy(), 0, grid.size)
     relax(*problem, normals.copy(), False, 0, grid.size)
-    step, (hold, lower, upper, weight) = grid.coarsening, np.zeros((4, grid.coarsening.coarse.size))
-    means, slopes = np.zeros((2, step.coarse.size, 3))
+    slope(*problem, normals, normals.copy(), 0, grid.size)
+    coarse = grid.coarsening.coarse
+    means, slopes = np.zeros((2, coarse.size, 3))
+    sums = np.zeros((4, coarse.size))
+    finish_blocks(light, means, *sums[1:], np.empty(coarse.size), 0, coarse.size)
     gather_blocks(
-        step.parent,
-        light,
-        normals,
-        normals,
-        none,
-        *data[2:],
-        means,
-        slopes,
-        hold,
-        lower,
-        upper,
-        weight,
-        0,
-        grid.size,
-    )
-    finish_blocks(light, means, lower, upper, weight, np.empty(step.coarse.size), 0, step.coarse.size)
+        grid.coarsening.parent, light, normals, normals, none, bounds, bounds, bounds, means, slopes, *sums, 0, grid.size
+    )  # fmt: skip
 
 
 def _is_interpreter() -> bool:

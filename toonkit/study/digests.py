@@ -41,7 +41,7 @@ learned of shapes and of lights, of which the learned shape is a judge, and the 
 _USED_BY = {
     "shape": ("shape_prior",),
     "light": ("light_fit", "light_prior"),
-    "refinement": (".refined(", "shape_prior"),
+    "refinement": (".refined(", "shape_prior"),  # whose normals the solver's module makes unit vectors
 }  # what a method's module says if it uses them
 
 MEASURED_BY = (
@@ -110,8 +110,8 @@ def method_digest(method: object) -> str:
     for name in PARTS:
         if _may_use(method, name):
             digest.update(PART_DIGESTS[name].encode())
-    for part in _parts(method, {}):
-        digest.update(f"{len(part)}:".encode() + part)
+    for piece in _pieces(method, {}):
+        digest.update(f"{len(piece)}:".encode() + piece)
     return digest.hexdigest()
 
 
@@ -123,7 +123,7 @@ def _may_use(method: object, name: str) -> bool:
     return file is None or any(word in _bare(Path(file)) for word in _USED_BY[name])
 
 
-def _parts(value: Any, seen: dict[int, Any]) -> Iterator[bytes]:
+def _pieces(value: Any, seen: dict[int, Any]) -> Iterator[bytes]:
     """Yield, in a fixed order, the bytes that tell a value from another."""
     if isinstance(value, _PLAIN):
         yield repr(value).encode()
@@ -137,57 +137,57 @@ def _parts(value: Any, seen: dict[int, Any]) -> Iterator[bytes]:
     elif isinstance(value, types.ModuleType):
         yield value.__name__.encode()
     elif isinstance(value, types.FunctionType):
-        yield from _function_parts(value, seen)
+        yield from _function_pieces(value, seen)
     elif isinstance(value, type):
         yield _source(value)
     elif isinstance(value, dict):
         for key in sorted(value, key=repr):
-            yield from _all_parts((key, value[key]), seen)
+            yield from _all_pieces((key, value[key]), seen)
     elif isinstance(value, list | tuple):
-        yield from _all_parts(value, seen)
+        yield from _all_pieces(value, seen)
     elif isinstance(value, set | frozenset):
-        yield from _all_parts(sorted(value, key=repr), seen)
+        yield from _all_pieces(sorted(value, key=repr), seen)
     elif isinstance(value, functools.partial):
-        yield from _all_parts((value.func, value.args, value.keywords), seen)
+        yield from _all_pieces((value.func, value.args, value.keywords), seen)
     elif isinstance(value, types.MethodType):
-        yield from _all_parts((value.__func__, value.__self__), seen)
+        yield from _all_pieces((value.__func__, value.__self__), seen)
     else:
         # A compiled function keeps its Python source; any other object is its class and what it holds.
-        yield from _all_parts(
+        yield from _all_pieces(
             (getattr(value, "py_func", type(value)), dict(getattr(value, "__dict__", {}))), seen
         )
 
 
-def _all_parts(values: Any, seen: dict[int, Any]) -> Iterator[bytes]:
+def _all_pieces(values: Any, seen: dict[int, Any]) -> Iterator[bytes]:
     for value in values:
-        yield from _parts(value, seen)
+        yield from _pieces(value, seen)
 
 
-def _function_parts(function: types.FunctionType, seen: dict[int, Any]) -> Iterator[bytes]:
+def _function_pieces(function: types.FunctionType, seen: dict[int, Any]) -> Iterator[bytes]:
     module = sys.modules.get(function.__module__)
     if function.__module__.startswith("toonkit.") and module is not None and module.__file__:
         yield _bare(Path(module.__file__)).encode()
         return
     yield _source(function)
-    yield from _all_parts((function.__defaults__, function.__kwdefaults__), seen)
+    yield from _all_pieces((function.__defaults__, function.__kwdefaults__), seen)
     for cell in function.__closure__ or ():
         try:
-            yield from _parts(cell.cell_contents, seen)
+            yield from _pieces(cell.cell_contents, seen)
         except ValueError:  # a name that is not bound yet
             yield b"unbound"
     for name in sorted(set(_names(function.__code__))):
         if name in function.__globals__:
             yield name.encode()
-            yield from _global_parts(function.__globals__[name], function.__module__, seen)
+            yield from _global_pieces(function.__globals__[name], function.__module__, seen)
 
 
-def _global_parts(value: Any, module: str, seen: dict[int, Any]) -> Iterator[bytes]:
+def _global_pieces(value: Any, module: str, seen: dict[int, Any]) -> Iterator[bytes]:
     """Follow what a function finds in its own module; what that imported is known by its name."""
     home = getattr(value, "__module__", module)
     if callable(value) and home != module:
         yield f"{home}.{getattr(value, '__qualname__', '')}".encode()
     else:
-        yield from _parts(value, seen)
+        yield from _pieces(value, seen)
 
 
 def _names(code: types.CodeType) -> Iterator[str]:
@@ -202,14 +202,14 @@ def _source(thing: Any) -> bytes:
         return inspect.getsource(thing).encode()
     except (OSError, TypeError):  # typed at a prompt, or built in
         code = getattr(thing, "__code__", None)
-        return thing.__qualname__.encode() if code is None else b"".join(_code_parts(code))
+        return thing.__qualname__.encode() if code is None else b"".join(_code_pieces(code))
 
 
-def _code_parts(code: types.CodeType) -> Iterator[bytes]:
+def _code_pieces(code: types.CodeType) -> Iterator[bytes]:
     yield code.co_code + repr(code.co_names).encode()
     for constant in code.co_consts:
         if isinstance(constant, types.CodeType):
-            yield from _code_parts(constant)
+            yield from _code_pieces(constant)
         else:
             yield repr(constant).encode()
 

@@ -72,8 +72,11 @@ const PAUSE = `<svg viewBox="0 0 24 24"><path d="M7 5h3.5v14H7zM13.5 5H17v14h-3.
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high)
 const radians = (degrees) => degrees * Math.PI / 180
 
-// What a slider shows of a light, whole degrees: an azimuth counts once around from the right, as everywhere in toonkit.
+// What the sliders show of a light, whole degrees: an azimuth counts once around from the right, as on the command line.
 const shown = ([azimuth, elevation]) => [(Math.round(azimuth) + 360) % 360, Math.round(elevation)]
+
+// Beyond 180 degrees an azimuth goes on at -180, as in Python.
+const wrapped = (azimuth) => azimuth > 180 ? azimuth - 360 : azimuth
 
 function direction([azimuth, elevation]) {
   const [a, e] = [radians(azimuth), radians(elevation)]
@@ -247,11 +250,11 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
     const [x, y] = direction(angles)
     sun.style.transform = `translate(${x * (half - 16)}px, ${-y * (half - 16)}px)`
     dot.style.transform = `translate(${x * 46}%, ${-y * 46}%)`
+    const values = shown(angles)
     sliders.forEach(({input, output}, index) => {
-      const value = shown(angles)[index]
-      const text = `${value}°`
+      const text = `${values[index]}°`
       if (output.textContent === text) { return }
-      input.value = value
+      input.value = values[index]
       output.textContent = text
     })
   }
@@ -286,7 +289,7 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
   sliders.forEach(({input}, index) => {
     input.addEventListener("input", () => {
       const value = Number(input.value)
-      onMove(index === 0 ? [value > 180 ? value - 360 : value, angles[1]] : [angles[0], value])
+      onMove(index === 0 ? [wrapped(value), angles[1]] : [angles[0], value])
     })
     input.addEventListener("change", onRelease)
   })
@@ -336,7 +339,7 @@ function render({model}) {
       if (!orbiting || !root.isConnected) { orbiting = false; return }
       const azimuth = light[0] + (now - before) / 1000 * ORBIT_DEGREES_PER_SECOND
       before = now
-      move([azimuth > 180 ? azimuth - 360 : azimuth, Math.min(light[1], ORBIT_HIGHEST)])
+      move([wrapped(azimuth), Math.min(light[1], ORBIT_HIGHEST)])
       requestAnimationFrame(turn)
     }
     requestAnimationFrame(turn)
