@@ -52,7 +52,7 @@ REFINING = (toonkit, classical)
 
 def compile_ahead(method: str) -> None:
     """Have a second process compile what a method needs last, on a machine that has not: the earlier, the better."""
-    if METHODS.get(method) in REFINING:
+    if METHODS[method] in REFINING:
         share_compiling()
 
 

@@ -138,8 +138,8 @@ def solve_unit_field(
     A cycle is a V-cycle of the full approximation scheme [1]_: coarse grids see the same kind of problem, with a linear term
     that makes them stand still where the fine grid does, and with the illuminations that are outside their intervals held as
     firmly as they are there. On the finest grid, whose gradient is known, nothing is relaxed before: that would take a third
-    of the time and gain less. Its correction preconditions nonlinear conjugate gradients, whose step is the exact one of a
-    parabola. The energy never rises above that of n0.
+    of the time and gain less where a few cycles are enough. Its correction preconditions nonlinear conjugate gradients,
+    whose step is the exact one of a parabola. The energy never rises above that of n0.
 
     References
     ----------
