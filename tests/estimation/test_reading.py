@@ -10,7 +10,7 @@ from tests.analytic import SOFT, TWO_TONE, blob_mask, ellipse, painted
 from toonkit import ToonImage, inflate
 from toonkit.estimation.painted_tones import FLAT, MIXING_REACH
 from toonkit.estimation.reading import REMEMBERED, reading
-from toonkit.model.luminance import tone
+from toonkit.model.luminance import srgb_to_linear, tone
 
 
 def pictures(count: int) -> list[ToonImage]:
@@ -70,13 +70,17 @@ def plain_by_hand(image: ToonImage) -> np.ndarray:
     return plain[image.mask]
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_plain_tones_are_those_found_pixel_by_pixel(seed):
+def softened_steps(seed):
+    """Return a drawing of grey bands whose edges are mixtures."""
     random = np.random.default_rng(seed)
-    mask = blob_mask(seed, size=40)
     steps = np.kron(random.integers(1, 5, (8, 8)), np.ones((5, 5))) / 5
     soft = np.stack([steps, np.roll(steps, 1, axis=0), np.roll(steps, 1, axis=1)]).mean(axis=0)
-    image = ToonImage(np.repeat(soft[..., None], 3, axis=2), mask)
+    return ToonImage(np.repeat(soft[..., None], 3, axis=2), blob_mask(seed, size=40))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_plain_tones_are_those_found_pixel_by_pixel(seed):
+    image = softened_steps(seed)
     tones = reading(image).tones
     assert np.allclose(tones.plain, plain_by_hand(image), atol=1e-12)
     assert tones.mixed.any()
@@ -87,7 +91,28 @@ def test_plain_tones_are_those_found_pixel_by_pixel(seed):
 def test_the_light_of_the_darkest_pixels_adds_up():
     image = painted(ellipse(30, 20).normals, TWO_TONE)
     tones = reading(image).tones
-    assert tones.accumulated[0].tolist() == [0, 0, 0]
+    light = tones.ordered.of_darkest(np.arange(tones.tone.size + 1))
+    assert light[0].tolist() == [0, 0, 0]
     # A mixed pixel counts for one of its bands, so the sum is that of the colors but for a few pixels in a thousand.
-    assert np.allclose(tones.accumulated[-1], tones.light.sum(axis=0), rtol=1e-3)
-    assert (np.diff(tones.accumulated @ [1, 1, 1]) >= 0).all()
+    assert np.allclose(light[-1], tones.light.sum(axis=0), rtol=1e-3)
+    assert (np.diff(light @ [1, 1, 1]) >= 0).all()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_light_in_order_is_that_of_sorted_pixels(seed):
+    image = softened_steps(seed)
+    tones = reading(image).tones
+    assert tones.mixed.any()
+    grey = np.sort(srgb_to_linear(tones.plain))  # a grey's tone is its color
+    for pixels in range(grey.size + 1):
+        assert np.allclose(tones.ordered.of_darkest(np.array([pixels])), grey[:pixels].sum())
+
+
+def test_pixels_of_one_tone_share_their_light():
+    red, green = (np.array(color) for color in ((0.5, 0.0, 0.0), (0.0, 0.27979, 0.0)))
+    colors = np.where(np.indices((12, 12)).sum(axis=0)[..., None] % 2, red, green)
+    tones = reading(ToonImage(colors, np.ones((12, 12), bool))).tones
+    assert np.ptp(tones.tone) < 1e-5
+    assert len(tones.ordered.counts) == 2
+    for pixels in (1, 10, 144):
+        assert np.allclose(tones.ordered.of_darkest(np.array([pixels]))[0], pixels * tones.light.mean(axis=0))

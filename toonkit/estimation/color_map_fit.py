@@ -48,7 +48,7 @@ def fit_color_map(image: ToonImage, illumination: ArrayLike) -> ColorMap:
     --------
     >>> illumination = np.linspace(-1, 1, 400).reshape(20, 20)
     >>> color = np.where(illumination[..., None] < 0.25, [0.3, 0.2, 0.4], [0.9, 0.8, 0.7])
-    >>> fit_color_map(ToonImage(color, np.ones((20, 20), bool)), illumination)([0.2, 0.3]).tolist()
+    >>> fit_color_map(ToonImage(color, np.ones((20, 20), bool)), illumination)([0.2, 0.3]).round(6).tolist()
     [[0.3, 0.2, 0.4], [0.9, 0.8, 0.7]]
     """
     of_type("image", image, ToonImage)
@@ -98,18 +98,17 @@ def rank_matched(tones: PaintedTones, illumination: FloatArray) -> ColorMap:
     """
     ordered = np.sort(illumination)
     low, high = float(ordered[0]), float(ordered[-1])
-    total = tones.accumulated
+    light = tones.ordered.of_darkest
     if high - low < 1e-6:
-        return ColorMap(
-            linear_to_srgb(total[-1:] / len(ordered)), (max(low - 1e-6, -1.0), min(high + 1e-6, 1.0))
-        )
+        mean = light(np.array([len(ordered)])) / len(ordered)
+        return ColorMap(linear_to_srgb(mean), (max(low - 1e-6, -1.0), min(high + 1e-6, 1.0)))
     where = np.linspace(low, high, SAMPLES)
     # Rank of each cell's ends: pixels with equal illumination have no order, so they share their colors' mean.
     edges = np.concatenate([[low], (where[1:] + where[:-1]) / 2, [high]])
     first = np.searchsorted(ordered, edges[:-1], side="left")
     last = np.searchsorted(ordered, edges[1:], side="right")
     filled = last > first
-    mean = (total[last[filled]] - total[first[filled]]) / (last - first)[filled, None]
+    mean = (light(last[filled]) - light(first[filled])) / (last - first)[filled, None]
     samples = np.stack([np.interp(where, where[filled], channel) for channel in mean.T], axis=1)
     return ColorMap(linear_to_srgb(np.clip(samples, 0.0, 1.0)), (low, high))
 

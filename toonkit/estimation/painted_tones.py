@@ -22,8 +22,33 @@ FLAT_NEIGHBORS = 4
 MIXING_REACH = 2
 """An anti-aliased band edge is at most this many pixels away from the bands it mixes."""
 
+LEVELS = 65_536
+"""Tones that are told apart where pixels are put in their order: as many as a picture of 16 bits a channel has."""
+
 _PAIRS = ((0, 1), (1, 0), (1, 1), (1, -1))
 """(row, column) steps to four of a pixel's eight neighbors; the other four see it by the same steps."""
+
+
+@dataclass(frozen=True, eq=False)
+class OrderedLight:
+    """
+    The light of an object's pixels from the darkest to the brightest; those of one tone share theirs.
+
+    Attributes
+    ----------
+    counts : ndarray of int, shape (n + 1,)
+        How many pixels the k darkest tones have, for k of 0 to n.
+    sums : ndarray, shape (n + 1, 3)
+        The linear light of those pixels together.
+    """
+
+    counts: NDArray[np.intp]
+    sums: FloatArray
+
+    def of_darkest(self, pixels: NDArray[np.integer]) -> FloatArray:
+        """Linear light (..., 3) of so many pixels (...), the darkest ones, together."""
+        channels = [np.interp(pixels, self.counts, channel) for channel in self.sums.T]
+        return np.stack(channels, axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,16 +117,22 @@ class PaintedTones:
         return mixed
 
     @cached_property
-    def accumulated(self) -> FloatArray:
-        """Light of the k darkest pixels together, for k of 0 to P, shape (P + 1, 3); a mixed one counts as its band."""
-        order = np.argsort(self.plain, kind="stable")
-        pure = order[~self.mixed[order]]
-        stand_in = np.arange(len(order))
-        mixed = np.flatnonzero(self.mixed)
-        stand_in[mixed] = pure[np.searchsorted(self.plain[pure], self.plain[mixed])]
-        total = np.zeros((len(order) + 1, 3))
-        np.cumsum(self.light[stand_in[order]], axis=0, out=total[1:])
-        return total
+    def ordered(self) -> OrderedLight:
+        """The light in the order of the plain tones; a mixed pixel shows that of the other pixels of its tone."""
+        level = (self.plain * (LEVELS - 1) + 0.5).astype(np.intp)
+        pixels = np.bincount(level, minlength=LEVELS)
+        occurring = np.flatnonzero(pixels)
+        pure = ~self.mixed
+        pure_pixels = np.bincount(level, weights=pure, minlength=LEVELS)[occurring]
+        sums = [
+            np.bincount(level, weights=pure * channel, minlength=LEVELS)[occurring]
+            for channel in self.light.T
+        ]
+        light = np.stack(sums, axis=1) * (pixels[occurring] / pure_pixels)[:, None]
+        start = np.zeros((1, 3))
+        return OrderedLight(
+            np.append(0, np.cumsum(pixels[occurring])), np.concatenate([start, np.cumsum(light, axis=0)])
+        )
 
 
 def decoded(colors: FloatArray) -> tuple[FloatArray, FloatArray]:
