@@ -79,8 +79,7 @@ class Reading:
 
     @property
     def _colors(self) -> FloatArray:
-        colors: FloatArray = self._color[self._mask]
-        return colors
+        return self.grid.gather(self._color)
 
     @cached_property
     def _decoded(self) -> tuple[FloatArray, FloatArray]:

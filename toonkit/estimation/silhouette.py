@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d, label
+from scipy.ndimage import gaussian_filter1d
 from skimage.measure import find_contours
 
-from toonkit._validation import BoolArray, FloatArray
-from toonkit.numerics.masked_grid import OUTSIDE, STEPS, MaskedGrid
+from toonkit._validation import FloatArray
+from toonkit.numerics.masked_grid import STEPS, MaskedGrid
 
 STAIRCASE_SMOOTHING = 10.0
 """Arc length in pixels over which a yes-or-no outline is smoothed.
@@ -66,16 +66,15 @@ def trace_silhouette(grid: MaskedGrid, alpha: FloatArray) -> Silhouette:
     Returns
     -------
     Silhouette
-        One crossing for each link that leaves the object inside the picture. A component that is cut off by the frame has
-        no outline there, unless it has none anywhere else.
+        One crossing for each link that leaves the object inside the picture. An object that is cut off by the frame has no
+        outline there, unless it fills the picture.
 
     Notes
     -----
     Marching squares puts one vertex on every link that leaves the mask, in order along the outline; smoothing the curve
     along its arc length removes the pixel staircase, and gives tangents, without letting neighboring parts see each other.
     """
-    frame = _frame_counts_as_outline(grid)
-    level = _framed_level(grid, alpha, frame)
+    level = _framed_level(grid, alpha)
     smoothing = ANTIALIASED_SMOOTHING if _is_antialiased(grid, alpha) else STAIRCASE_SMOOTHING
     parts = [_crossings(grid, level, contour, smoothing) for contour in find_contours(level, 0.5)]
     if not parts:
@@ -95,32 +94,17 @@ def _is_antialiased(grid: MaskedGrid, alpha: FloatArray) -> bool:
     return rim.size > 0 and float(np.mean(rim < 0.99)) > 0.2
 
 
-def _frame_counts_as_outline(grid: MaskedGrid) -> BoolArray:
-    """Per pixel of the picture, True where the object's component has no outline but the frame."""
-    labels, count = label(grid.mask)
-    pixel_labels = labels[grid.rows, grid.columns]
-    height, width = grid.mask.shape
-    open_sides = np.zeros(grid.size, dtype=np.bool_)
-    for direction, (down, along) in enumerate(STEPS):
-        row, column = grid.rows + down, grid.columns + along
-        in_picture = (row >= 0) & (row < height) & (column >= 0) & (column < width)
-        open_sides |= in_picture & (grid.neighbors[:, direction] == OUTSIDE)
-    has_outline = np.bincount(pixel_labels, weights=open_sides, minlength=count + 1) > 0
-    result = np.zeros(grid.mask.shape, dtype=np.bool_)
-    result[grid.mask] = ~has_outline[pixel_labels]
-    return result
+def _framed_level(grid: MaskedGrid, alpha: FloatArray) -> FloatArray:
+    """
+    Alpha made to agree with the mask about which side of one half it is on, with a border around the picture.
 
-
-def _framed_level(grid: MaskedGrid, alpha: FloatArray, frame_is_outline: BoolArray) -> FloatArray:
-    """Alpha made to agree with the mask about which side of one half it is on, with a border around the picture."""
+    The border carries on what is beside it, so that no outline runs along the frame; around a picture that the object fills
+    it is background.
+    """
     inside = np.maximum(alpha, 0.5 + 1e-3)
     outside = np.minimum(alpha, 0.5 - 1e-3)
-    level = np.pad(np.where(grid.mask, inside, outside), 1, mode="edge")
-    closed = np.pad(frame_is_outline, 1, mode="edge")
-    border = np.ones_like(level, dtype=np.bool_)
-    border[1:-1, 1:-1] = False
-    level[border & closed] = 0.0
-    return level
+    level = np.where(grid.mask, inside, outside)
+    return np.pad(level, 1) if grid.mask.all() else np.pad(level, 1, mode="edge")
 
 
 def _crossings(grid: MaskedGrid, level: FloatArray, contour: FloatArray, smoothing: float) -> Silhouette:

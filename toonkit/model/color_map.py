@@ -170,10 +170,11 @@ class ColorMap:
             Bounds of shape (...).
         """
         where, highest_so_far, lowest_to_come = self._tone_envelopes
-        lower = _crossing(darkest, highest_so_far, where, side="left")
-        upper = _crossing(brightest, lowest_to_come, where, side="right")
+        # Where the tones of a band are all the same, `interp` takes their last sample; backward it takes the first.
+        lower = np.interp(-darkest, -highest_so_far[::-1], where[::-1])
+        upper = np.interp(brightest, lowest_to_come, where)
         lower = np.where(darkest <= highest_so_far[0], -1.0, lower)
-        upper = np.where(brightest >= lowest_to_come[-1], 1.0, upper)
+        upper = np.where(brightest >= lowest_to_come[-1], 1.0, np.maximum(upper, lower))
         unknown = np.isnan(darkest) | np.isnan(brightest)
         return IlluminationInterval(np.where(unknown, np.nan, lower), np.where(unknown, np.nan, upper))
 
@@ -197,14 +198,3 @@ class ColorMap:
         if count < 2:
             raise refuse("count", "must be at least 2", count)
         return ColorMap(self(np.linspace(*self.domain, count)), self.domain)
-
-
-def _crossing(level: FloatArray, tones: FloatArray, where: FloatArray, *, side: str) -> FloatArray:
-    """Illumination at which nondecreasing samples reach (left) or leave (right) a level, linear in between."""
-    count = len(tones)
-    index = np.searchsorted(tones, level, side="left" if side == "left" else "right")
-    after = np.clip(index, 0, count - 1)
-    before = np.clip(index - 1, 0, count - 1)
-    rise = tones[after] - tones[before]
-    share = np.divide(level - tones[before], rise, out=np.zeros_like(level), where=rise > 0)
-    return where[before] + np.clip(share, 0.0, 1.0) * (where[after] - where[before])
