@@ -23,6 +23,7 @@ from toonkit.estimation.energy import PrintedEnergy, ShadingTerm
 from toonkit.estimation.silhouette import Silhouette, trace_silhouette
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.normals import NormalField
+from toonkit.numerics.bands import run_in_pieces
 from toonkit.numerics.gauss_seidel import over_relaxed_sweeps
 from toonkit.numerics.masked_grid import MaskedGrid, block_sums
 from toonkit.numerics.report import SolverReport
@@ -36,8 +37,8 @@ MARGIN_SHARE = 0.25
 MARGIN_PER_EXCESS = 2.0
 """Largest margin, as a multiple of the root mean square by which the start misses its intervals."""
 
-NEGLIGIBLE = 4e-6
-"""Square of an illumination that nobody sees, half an 8-bit picture's step: a cycle that gains less is the last."""
+NEGLIGIBLE = 1.5e-5
+"""Square of an illumination that nobody sees, a step of an 8-bit picture: a cycle that gains less a pixel is the last."""
 
 
 @dataclass(frozen=True)
@@ -300,13 +301,35 @@ def _with_margin(shading: ShadingTerm, start: FloatArray, margin: float) -> Shad
 
     The margin is for pixels that have to move: a start that explains the picture already is to stay as it is.
     """
-    margin = min(margin, MARGIN_PER_EXCESS * float(np.sqrt(np.mean(shading.excess(start) ** 2))))
-    occurring = start @ shading.light
-    width = np.minimum(shading.upper, occurring.max()) - np.maximum(shading.lower, occurring.min())
+    missed, darkest, brightest = np.array(run_in_pieces(_occurring, len(start), shading, start)).T
+    margin = min(margin, MARGIN_PER_EXCESS * float(np.sqrt(missed.sum() / len(start))))
+    lower, upper = np.empty((2, len(start)))
+    run_in_pieces(_narrow, len(start), shading, margin, darkest.min(), brightest.max(), lower, upper)
+    return ShadingTerm(shading.light, lower, upper)
+
+
+def _occurring(shading: ShadingTerm, start: FloatArray, piece: slice) -> tuple[float, float, float]:
+    """Return by how much some pixels miss their intervals, squared, and their least and greatest illumination."""
+    value = start[piece] @ shading.light
+    excess = value - np.clip(value, shading.lower[piece], shading.upper[piece])
+    return float(excess @ excess), float(value.min()), float(value.max())
+
+
+def _narrow(
+    shading: ShadingTerm,
+    margin: float,
+    darkest: float,
+    brightest: float,
+    lower: FloatArray,
+    upper: FloatArray,
+    piece: slice,
+) -> None:
+    """Write the bounds of some pixels, moved inward."""
+    low, high = shading.lower[piece], shading.upper[piece]
+    width = np.minimum(high, brightest) - np.maximum(low, darkest)
     inward = np.minimum(margin, MARGIN_SHARE * np.maximum(width, 0.0))
-    lower = np.where(shading.lower > -1.0, shading.lower + inward, shading.lower)
-    upper = np.where(shading.upper < 1.0, shading.upper - inward, shading.upper)
-    return ShadingTerm(shading.light, lower, np.maximum(lower, upper))
+    lower[piece] = np.where(low > -1.0, low + inward, low)
+    upper[piece] = np.maximum(np.where(high < 1.0, high - inward, high), lower[piece])
 
 
 def _shading_term(grid: MaskedGrid, light: ArrayLike, interval: IlluminationInterval) -> ShadingTerm:

@@ -50,9 +50,9 @@ class Membrane:
     links: Links
     ties: FloatArray
 
-    def apply(self, field: Field) -> Field:
-        """Return A x for x of shape (P,), float64 or complex128."""
-        result = np.empty_like(field)
+    def apply(self, field: Field, out: Field | None = None) -> Field:
+        """Return A x for x of shape (P,), float64 or complex128; in `out`, if that is given."""
+        result = np.empty_like(field) if out is None else out
         self.grid.bands.run(_apply, *self._arguments, field, result)
         return result
 
@@ -69,12 +69,11 @@ class Membrane:
         """Sweep once, in place: every pixel takes the value that its own equation asks for."""
         self.grid.bands.sweep(_relax, *self._arguments, right_side, field, backward=backward)
 
-    def block_residuals(self, right_side: Field, field: Field) -> Field:
-        """Residual b - A x, summed over 2 x 2 blocks."""
-        step = self.grid.coarsening
-        sums = np.zeros(step.coarse.size, field.dtype)
-        self.grid.bands.run(_sum_residuals, *self._arguments, right_side, field, step.parent, sums)
-        return sums
+    def sum_residuals(self, right_side: Field, field: Field, out: Field) -> None:
+        """Write the residual b - A x, summed over 2 x 2 blocks."""
+        out.fill(0.0)
+        parent = self.grid.coarsening.parent
+        self.grid.bands.run(_sum_residuals, *self._arguments, right_side, field, parent, out)
 
 
 def uniform_links(grid: MaskedGrid) -> Links:
@@ -120,38 +119,34 @@ def solve_membrane(
     summed and corrections interpolated linearly, which is not quite symmetric: the directions are made conjugate by the
     formula of Polak and Ribière, which does not ask for that.
     """
-    levels = _levels(membrane)
+    levels = _levels(membrane, right_side.dtype)
     field = _from_coarse_grids(levels, right_side) if start is None else start.astype(right_side.dtype)
-    residual = right_side - membrane.apply(field)
+    image = membrane.apply(field)
+    residual = np.subtract(right_side, image, out=levels[0].asked)
+    # 1/2 x·Ax - b·x with Ax = b - r
+    energies = [-0.5 * (inner(field, right_side) + inner(field, residual))]
     limit = tolerance * np.sqrt(inner(right_side, right_side))
-    energies = [_energy(field, right_side, residual)]
     direction = np.zeros_like(field)
-    before = np.zeros_like(field)
-    previous = 1.0
+    step, previous = 0.0, 1.0
     for iteration in range(max_iterations):
         if np.sqrt(inner(residual, residual)) <= limit:
             return field, SolverReport(
                 iteration, np.array(energies), "the residual met its tolerance", converged=True
             )
-        improved = _v_cycle(levels, 0, residual, linear=iteration < LINEAR)
-        slope = inner(residual, improved)
-        afresh = iteration in (0, LINEAR)
-        share = 0.0 if afresh else max((slope - inner(before, improved)) / previous, 0.0)
+        improved = _v_cycle(levels, 0, linear=iteration < LINEAR)
+        # Polak and Ribière's share of the last direction, by whose image the residual has changed.
+        share = 0.0 if iteration == LINEAR else max(-step * inner(image, improved) / previous, 0.0)
         run_in_pieces(_turn, len(field), direction, improved, share)
-        image = membrane.apply(direction)
+        membrane.apply(direction, image)
         curvature = inner(direction, image)
-        step = inner(residual, direction) / curvature if curvature > 0 else 0.0
-        run_in_pieces(_advance, len(field), field, residual, direction, image, before, step)
-        previous = slope if slope > 0 else 1.0
-        energies.append(_energy(field, right_side, residual))
+        along = inner(residual, direction)
+        step = along / curvature if curvature > 0 else 0.0
+        previous = along if along > 0 else 1.0
+        run_in_pieces(_advance, len(field), field, residual, direction, image, step)
+        energies.append(energies[-1] - 0.5 * step * along)
     return field, SolverReport(
         max_iterations, np.array(energies), "the iteration limit was reached", converged=False
     )
-
-
-def _energy(field: Field, right_side: Field, residual: Field) -> float:
-    # 1/2 x·Ax - b·x with Ax = b - r
-    return -0.5 * (inner(field, right_side) + inner(field, residual))
 
 
 def _turn(direction: Field, improved: Field, share: float, piece: slice) -> None:
@@ -161,44 +156,62 @@ def _turn(direction: Field, improved: Field, share: float, piece: slice) -> None
 
 
 def _advance(
-    field: Field, residual: Field, direction: Field, image: Field, before: Field, step: float, piece: slice
+    field: Field, residual: Field, direction: Field, image: Field, step: float, piece: slice
 ) -> None:
-    """Go a step along a direction, whose image is known; keep the residual of before."""
-    before[piece] = residual[piece]
+    """Go a step along a direction, whose image is known."""
     field[piece] += step * direction[piece]
     residual[piece] -= step * image[piece]
 
 
-def _levels(membrane: Membrane) -> list[Membrane]:
-    levels = [membrane]
-    while levels[-1].grid.size > COARSEST_SIZE:
-        levels.append(levels[-1].coarsened())
+@dataclass(frozen=True, eq=False)
+class _Level:
+    """A membrane on one of the grids, and memory for what a cycle is asked there and answers: new memory is slow."""
+
+    membrane: Membrane
+    asked: Field
+    answer: Field
+
+    @classmethod
+    def of(cls, membrane: Membrane, kind: np.dtype[Any]) -> _Level:
+        return cls(membrane, *np.empty((2, membrane.grid.size), kind))
+
+
+def _levels(membrane: Membrane, kind: np.dtype[Any]) -> list[_Level]:
+    levels = [_Level.of(membrane, kind)]
+    while levels[-1].membrane.grid.size > COARSEST_SIZE:
+        levels.append(_Level.of(levels[-1].membrane.coarsened(), kind))
     return levels
 
 
-def _from_coarse_grids(levels: list[Membrane], right_side: Field) -> Field:
+def _from_coarse_grids(levels: list[_Level], right_side: Field) -> Field:
     """Nested iteration: a cycle on each coarser grid, from the coarsest, each starting where the last one ended."""
     right_sides = [right_side]
-    for membrane in levels[:-1]:
-        right_sides.append(_block_sums(membrane.grid.coarsening, right_sides[-1]))
-    field = _v_cycle(levels, len(levels) - 1, right_sides[-1])
+    for level in levels[:-1]:
+        right_sides.append(_block_sums(level.membrane.grid.coarsening, right_sides[-1]))
+    levels[-1].asked[:] = right_sides[-1]
+    field = _v_cycle(levels, len(levels) - 1).copy()
     for depth in reversed(range(len(levels) - 1)):
-        field = _interpolated(levels[depth].grid.coarsening, field)
+        membrane = levels[depth].membrane
+        field = _interpolated(membrane.grid.coarsening, field)
         if depth:
-            field += _v_cycle(levels, depth, right_sides[depth] - levels[depth].apply(field))
+            np.subtract(right_sides[depth], membrane.apply(field), out=levels[depth].asked)
+            field += _v_cycle(levels, depth)
     return field
 
 
-def _v_cycle(levels: list[Membrane], depth: int, right_side: Field, *, linear: bool = True) -> Field:
-    membrane = levels[depth]
-    field = np.zeros_like(right_side)
+def _v_cycle(levels: list[_Level], depth: int, *, linear: bool = True) -> Field:
+    """Return about the solution of what a level is asked, in its memory."""
+    level = levels[depth]
+    membrane, right_side, field = level.membrane, level.asked, level.answer
+    field.fill(0.0)
     if depth == len(levels) - 1:
         for _ in range(COARSEST_SWEEPS):
             membrane.relax(right_side, field, backward=False)
             membrane.relax(right_side, field, backward=True)
         return field
     membrane.relax(right_side, field, backward=False)
-    correction = _v_cycle(levels, depth + 1, membrane.block_residuals(right_side, field), linear=linear)
+    membrane.sum_residuals(right_side, field, levels[depth + 1].asked)
+    correction = _v_cycle(levels, depth + 1, linear=linear)
     step = membrane.grid.coarsening
     if linear:
         step.interpolated(_parts(correction), _parts(field), adding=True)
