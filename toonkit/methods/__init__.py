@@ -94,6 +94,7 @@ def analyze(
 
     Examples
     --------
+    >>> import numpy as np
     >>> import toonkit
     >>> y, x = np.mgrid[:64, :64] - 32.0
     >>> mask = x**2 + y**2 < 900
