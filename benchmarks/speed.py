@@ -2,8 +2,9 @@
 
     python -m benchmarks.speed -o benchmarks/results
 
-For each size a disc and the silhouette of a cat, painted in four soft tones. Medians over repeats after one warm-up run, so
-that compiling does not count (at 4096² a single run); every repeat sees a picture of its own, of which nothing is kept.
+For each size a disc and the silhouette of a cat, painted in four soft tones. Medians over repeats after a first run, so that
+neither compiling counts nor memory that a virtual machine has yet to be given (speed.csv has the first run's time, too);
+every repeat sees a picture of its own, of which nothing is kept.
 Machines are noisy: read the times as ratios to those beside them. Writes speed.csv, solvers.csv, first_use.csv and
 scaling.png.
 """
@@ -55,8 +56,8 @@ BASELINES_AT = 512
 LIMIT = 60.0
 """Seconds after which another solver is stopped; at larger sizes it is not started."""
 
-FEW, ONCE = 2048, 4096
-"""Sides from which on three repeats do, and one without a warm-up."""
+FEW = 2048
+"""Side from which on three repeats do."""
 
 Row = dict[str, str | float]
 
@@ -84,10 +85,14 @@ def timed(work: Callable[[], object]) -> float:
     return time.perf_counter() - start
 
 
+def first_and_median(work: Callable[[], object], repeats: int) -> tuple[float, float]:
+    """Seconds of a first run, and the median of so many repeats."""
+    first, *later = (timed(work) for _ in range(1 + repeats))
+    return first, float(np.median(later))
+
+
 def median_seconds(work: Callable[[], object], repeats: int) -> float:
-    if repeats > 1:
-        work()
-    return float(np.median([timed(work) for _ in range(repeats)]))
+    return first_and_median(work, repeats)[1]
 
 
 def peak_bytes(work: Callable[[], object]) -> int:
@@ -108,7 +113,7 @@ def measured(shape: str, size: int, method: str, repeats: int) -> Row:
         nonlocal analysis
         analysis = toonkit.analyze(again(image), LIGHT, method=method)
 
-    seconds = median_seconds(work, repeats)
+    first, seconds = first_and_median(work, repeats)
     assert analysis is not None
     found = analysis
     warm = median_seconds(
@@ -120,6 +125,7 @@ def measured(shape: str, size: int, method: str, repeats: int) -> Row:
         "method": method,
         "object_pixels": int(image.mask.sum()),
         "analyze_seconds": seconds,
+        "first_seconds": first,
         "analyze_microseconds_per_pixel": seconds / size**2 * 1e6,
         "again_seconds": warm,
         "peak_bytes_per_pixel": peak_bytes(work) / size**2,
@@ -306,7 +312,7 @@ def main() -> None:
     slow: dict[str, set[tuple[str, str]]] = {"sphere": set(), "cat": set()}
     cases = [(shape, size) for size in arguments.sizes for shape in slow]
     for shape, size in tqdm(cases, file=sys.stderr, unit="case"):
-        repeats = 1 if size >= ONCE else 3 if size >= FEW else arguments.repeats
+        repeats = min(arguments.repeats, 3) if size >= FEW else arguments.repeats
         methods = toonkit.METHODS if size == BASELINES_AT else ("toonkit",)
         rows += [measured(shape, size, method, repeats) for method in methods]
         solvers += compared(shape, size, repeats, slow[shape])
