@@ -137,5 +137,7 @@ def study_page(page, study_url, complaints):
     page.set_viewport_size({"width": 1440, "height": 900})
     page.goto(study_url)
     page.wait_for_selector(".bk-Figure", timeout=START_SECONDS * 1000)
-    page.locator(".sheet img[alt='normal map']").nth(len(contestants())).wait_for()
+    page.locator(".sheet img[alt='normal map']").nth(len(contestants())).wait_for(
+        timeout=START_SECONDS * 1000
+    )
     return page
