@@ -8,10 +8,11 @@ from tests.analytic import LIGHT, blob_mask
 from toonkit.estimation.edges import edge_links
 from toonkit.estimation.energy import ChangeEnergy, ShadingTerm
 from toonkit.model.color_map import IlluminationInterval
-from toonkit.numerics import bands, unit_field
+from toonkit.numerics import bands, unit_field_cycle
 from toonkit.numerics.masked_grid import MaskedGrid
 from toonkit.numerics.membrane import Membrane
 from toonkit.numerics.unit_field import UnitFieldProblem, solve_unit_field
+from toonkit.numerics.unit_field_cycle import Level, cycle
 
 
 def random_problem(seed: int, size: int = 16) -> tuple[UnitFieldProblem, ChangeEnergy]:
@@ -58,7 +59,7 @@ def reference_minimum(energy: ChangeEnergy, start: np.ndarray) -> float:
 @pytest.fixture
 def several_grids(monkeypatch):
     """Coarser grids already for small problems."""
-    monkeypatch.setattr(unit_field, "COARSEST_SIZE", 40)
+    monkeypatch.setattr(unit_field_cycle, "COARSEST_SIZE", 40)
 
 
 @pytest.mark.usefixtures("several_grids")
@@ -80,7 +81,8 @@ def test_the_compiled_slope_is_that_of_the_energy_across_the_normals(seed):
     problem, energy = random_problem(seed)
     field = problem.start
     slope = np.empty_like(field)
-    value = unit_field._levels(problem)[0].slope(field, slope)
+    level = Level.finest(problem)
+    value = level.slope(level.posed, field, slope)
     gradient = energy.gradient(field)
     across = gradient - np.sum(gradient * field, axis=1, keepdims=True) * field
     assert value == pytest.approx(energy.value(field), rel=1e-12)
@@ -90,11 +92,11 @@ def test_the_compiled_slope_is_that_of_the_energy_across_the_normals(seed):
 @pytest.mark.parametrize("seed", range(6))
 def test_relaxing_lowers_the_energy_in_either_order(seed):
     problem, energy = random_problem(seed)
-    level = unit_field._levels(problem)[0]
+    level = Level.finest(problem)
     field = problem.start.copy()
     energies = [energy.value(field)]
     for sweep in range(400):
-        level.relax(level.data, np.zeros((0, 3)), field, backward=bool(sweep % 2))
+        level.relax(level.posed, field, backward=bool(sweep % 2))
         energies.append(energy.value(field))
     assert (np.diff(energies) <= 1e-12 * energies[0]).all()
     # Plain Gauss-Seidel, the slow and readable way, ends where the multigrid does.
@@ -107,9 +109,10 @@ def test_coarse_grids_stand_still_where_the_fine_one_does(seed):
     problem, _ = random_problem(seed, size=20)
     solved, _ = solve_unit_field(problem, tolerance=1e-13)
     again = solved.copy()
-    levels = unit_field._levels(problem)
-    unit_field._cycle(levels, 0, levels[0].data, np.zeros((0, 3)), again)
-    assert len(levels) > 2
+    level = Level.finest(problem)
+    cycle(level, level.posed, again)
+    assert level.coarser is not None
+    assert level.coarser.coarser is not None
     assert np.abs(again - solved).max() < 1e-3
     moved, _ = solve_unit_field(problem, tolerance=1e-13, max_cycles=1)
     assert np.abs(moved - solved).max() > 10 * np.abs(again - solved).max()
@@ -127,8 +130,8 @@ def test_memory_that_is_kept_changes_nothing(seed, monkeypatch):
     def new_zeros(level, _name, count):
         return np.zeros((count, level.problem.grid.size))
 
-    monkeypatch.setattr(unit_field._Level, "room", new_room)
-    monkeypatch.setattr(unit_field._Level, "cleared", new_zeros)
+    monkeypatch.setattr(Level, "room", new_room)
+    monkeypatch.setattr(Level, "cleared", new_zeros)
     new, its_report = solve_unit_field(problem, max_cycles=8)
     assert np.array_equal(new, kept)
     assert np.array_equal(its_report.energies, report.energies)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 
 import numpy as np
@@ -31,7 +32,7 @@ def encoded(weights: Weights, seen: Array) -> list[Array]:
     Returns
     -------
     list of ndarray
-        State at each level, fine to coarse, the first of half the size of `seen`.
+        State at each level, fine to coarse, the first of half the size of `seen`: until this thread runs a network again.
     """
     states = [_rectified(_convolve(weights, "stem", _to_channels(seen)))]
     for level in range(LEVELS):
@@ -60,9 +61,7 @@ def field(weights: Weights, seen: Array) -> Array:
     """
     *passed, state = encoded(weights, seen)
     for level in reversed(range(LEVELS - 1)):
-        wide = state.repeat(2, axis=1).repeat(2, axis=2)
-        joined = np.concatenate([wide, passed.pop()])
-        state = _rectified(_convolve(weights, f"up.{level}.enter", joined))
+        state = _rectified(_joined(weights, f"up.{level}.enter", state, passed.pop()))
         state = _block(weights, f"up.{level}", state)
     return _from_channels(_convolve(weights, "out", state))
 
@@ -102,25 +101,38 @@ def _rectified(state: Array) -> Array:
 
 
 def _convolve(weights: Weights, layer: str, state: Array, *, stride: int = 1) -> Array:
-    """Correlate with kernels of 1 or 3 pixels, zero beyond the edge."""
+    """Correlate with kernels of 3 pixels, zero beyond the edge."""
     kernels, bias = weights[f"{layer}.weight"], weights[f"{layer}.bias"]
     out, channels, size, _ = kernels.shape
     _, height, width = state.shape
     down, across = -(-height // stride), -(-width // stride)
-    columns = _columns(channels * size * size * down * across).reshape(channels, size, size, down, across)
+    columns = _room("columns", channels, size, size, down, across)
     reach = size // 2
     for row in range(size):
         for column in range(size):
             here = columns[:, row, column]
             rows, seen_rows = _overlap(row - reach, height, stride)
             along, seen_along = _overlap(column - reach, width, stride)
-            if row != reach or column != reach:
-                here[:, : rows.start] = here[:, rows.stop :] = 0.0
-                here[:, :, : along.start] = here[:, :, along.stop :] = 0.0
+            here[:, : rows.start] = here[:, rows.stop :] = 0.0
+            here[:, :, : along.start] = here[:, :, along.stop :] = 0.0
             here[:, rows, along] = state[:, seen_rows, seen_along]
-    flat: Array = kernels.reshape(out, -1) @ columns.reshape(channels * size * size, -1)
+    flat = _room(layer, out, down * across)
+    np.matmul(kernels.reshape(out, -1), columns.reshape(channels * size * size, -1), out=flat)
     flat += bias[:, None]
     return flat.reshape(out, down, across)
+
+
+def _joined(weights: Weights, layer: str, coarse: Array, fine: Array) -> Array:
+    """Mix the channels of a state, each pixel of which stands for 2 x 2, with those of a finer one."""
+    mixing, bias = weights[f"{layer}.weight"][:, :, 0, 0], weights[f"{layer}.bias"]
+    count, height, width = coarse.shape
+    mixed = _room(layer, len(mixing), height, 2, width, 2)
+    np.matmul(mixing[:, count:], fine.reshape(len(fine), -1), out=mixed.reshape(len(mixing), -1))
+    blocks = _room(f"{layer}, blocks", len(mixing), height * width)
+    np.matmul(mixing[:, :count], coarse.reshape(count, -1), out=blocks)
+    blocks += bias[:, None]
+    mixed += blocks.reshape(-1, height, 1, width, 1)
+    return mixed.reshape(-1, 2 * height, 2 * width)
 
 
 def _overlap(shift: int, length: int, stride: int) -> tuple[slice, slice]:
@@ -131,12 +143,13 @@ def _overlap(shift: int, length: int, stride: int) -> tuple[slice, slice]:
     return slice(first, last), slice(stride * first + shift, stride * (last - 1) + shift + 1, stride)
 
 
-def _columns(size: int) -> Array:
-    """Room for the inputs of a layer, side by side: kept, because new memory costs more than the arithmetic."""
-    room: Array | None = getattr(_kept, "room", None)
-    if room is None or room.size < size:
-        room = _kept.room = np.empty(size, np.float32)
-    return room[:size]
+def _room(name: str, *shape: int) -> Array:
+    """Return memory for an array, this thread's own and kept: new memory costs more than the arithmetic."""
+    rooms: dict[str, Array] = _kept.__dict__
+    size = math.prod(shape)
+    if name not in rooms or rooms[name].size < size:
+        rooms[name] = np.empty(size, np.float32)
+    return rooms[name][:size].reshape(shape)
 
 
 def _to_channels(seen: Array) -> Array:

@@ -59,6 +59,9 @@ def _stiffness(neighbors, normals, lower, upper, by_turn, by_jump, links, first,
             if q >= 0:
                 bend = 0.0
                 for c in range(3):
-                    bend += (normals[p, c] - normals[q, c]) ** 2
-                apart = max(lower[p] - upper[q], lower[q] - upper[p], 0.0)
+                    change = normals[p, c] - normals[q, c]
+                    bend += change * change
+                # Written out, for max takes long to compile.
+                above, below = lower[p] - upper[q], lower[q] - upper[p]
+                apart = above if above > 0.0 else below if below > 0.0 else 0.0
                 links[p, k] = 1.0 / ((1.0 + by_turn * bend) * (1.0 + by_jump * apart * apart))

@@ -26,7 +26,7 @@ from toonkit.estimation.working_square import SIZE, WorkingSquare
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.numerics.bands import run_each
-from toonkit.numerics.unit_field import moved
+from toonkit.numerics.unit_field_problem import moved
 
 SQUARES = ((1.0, True), (1.045, False))
 """Squares on which the network is asked: how much wider than the object needs, the first one not at all, and whether
@@ -69,7 +69,7 @@ def correct_shape(image: ToonImage, light: FloatArray, initial_normals: NormalFi
     overview = Overview.of(read, initial)
     square = WorkingSquare.around(overview.grid, light[:2])
 
-    views = [_View.of(overview, light, square, *how) for how in SQUARES]
+    views = [_View.of(overview, light, square, wider=wider, mirrored=mirrored) for wider, mirrored in SQUARES]
     change = np.mean(run_each([view.answer_on_the_finer_square for view in views]), axis=0) * views[0].need()
     spread = square.enlarged(overview.factor).spread(square.turned_back(change), read.grid)
     return NormalField.of_pixels(moved(read.grid, initial, spread), image.mask)
@@ -137,6 +137,7 @@ class _View:
         overview: Overview,
         light: FloatArray,
         square: WorkingSquare,
+        *,
         wider: float = 1.0,
         mirrored: bool = False,
     ) -> _View:

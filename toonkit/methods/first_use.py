@@ -1,76 +1,110 @@
-"""The first analysis on a machine compiles: a second process takes the last loops, while this one sees to the rest."""
+"""
+The first analysis on a machine compiles: a second process takes the two longest loops, while this one sees to the rest.
+
+Neither compiles what the other does: before the refinement, which needs them, this process waits for the second one.
+"""
 
 from __future__ import annotations
 
 import multiprocessing
 import os
 import sys
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from subprocess import DEVNULL, Popen
+from subprocess import DEVNULL, Popen, TimeoutExpired
 from threading import Thread
 from typing import Any
 
 import numpy as np
 
-from toonkit._validation import as_light
+from toonkit._validation import FloatArray, as_light
+from toonkit.estimation.edges import edge_links
+from toonkit.model.color_map import IlluminationInterval
 from toonkit.numerics.masked_grid import MaskedGrid
 from toonkit.numerics.membrane import uniform_links
-from toonkit.numerics.unit_field_kernels import finish_blocks, gather_blocks, relax, slope
+from toonkit.numerics.unit_field_kernels import finish_blocks, gather_blocks, relax, retract, slope
+from toonkit.numerics.unit_field_problem import moved
 
-LATEST = (relax, slope, finish_blocks, gather_blocks)
-"""The loops that are needed last, half of what there is to compile. The two of the blocks in reverse: where the first
-process comes too early, it compiles the one while the second compiles the other."""
+LATE = (retract, relax, slope)
+"""The loops that the second process compiles, in the order of need: about half of what there is."""
+
+PATIENCE = 60.0
+"""Seconds after which this process compiles them itself."""
 
 NO_WINDOW = 0x08000000
 """What keeps Windows from opening one for a new process."""
 
 
+_running: list[Popen[bytes]] = []
+"""The second process, until it has been waited for."""
+
+
 @cache
 def share_compiling() -> None:
     """
-    Let a second process compile the last loops, if none has done so on this machine.
+    Let a second process compile some loops, if none has done so on this machine; see `finish_compiling`.
 
-    It writes them where this process will look for them when it needs them; if it fails, or is late, this one compiles them
-    itself. Nothing is done in one of many workers, on a single core, or where Python is inside of another program.
+    It writes them where this process will look for them when it needs them; if it fails, this one compiles them itself.
+    Nothing is done in one of many workers, on a single core, or where Python is inside of another program.
     """
     if not _is_interpreter() or multiprocessing.parent_process() is not None or _cores() == 1:
         return
-    if all(map(_is_compiled, LATEST)):
+    if all(map(_is_compiled, LATE)):
         return
-    # It finds modules where this process does, and nowhere else.
-    command = (
-        f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import compile_latest; compile_latest()"
-    )
+    # It finds modules where this process does, and nowhere else. An orderly end would take half a second, for which this
+    # process would wait.
+    command = f"import os, sys; sys.path[:] = {sys.path!r}; from {__name__} import compile_late; compile_late(); os._exit(0)"
     try:
         helper = Popen(
             [sys.executable, "-c", command],
             stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL, creationflags=NO_WINDOW if os.name == "nt" else 0,
         )  # fmt: skip
+        _running.append(helper)
         Thread(target=helper.wait, name="toonkit-first-use", daemon=True).start()
     except (OSError, RuntimeError):  # no more processes, or no more threads
         return
 
 
-def compile_latest() -> None:
-    """Compile the loops for what an analysis calls them with, by calling them on a few pixels."""
-    grid = MaskedGrid(np.ones((2, 2), np.bool_))
-    normals, none = np.tile([0.0, 0.0, 1.0], (grid.size, 1)), np.zeros(0)
-    bounds = np.zeros(grid.size)
-    light = as_light("light", (0.0, 0.0, 1.0))  # which cannot be written to, as every light
+def finish_compiling() -> None:
+    """Wait for the second process, if there is one; compile meanwhile what the refinement needs besides."""
+    for helper in tuple(_running):
+        _compile_rest()
+        with suppress(TimeoutExpired):
+            helper.wait(PATIENCE)
+    _running.clear()
+
+
+def compile_late() -> None:
+    """Compile the loops of the second process for what an analysis calls them with, by calling them on a few pixels."""
+    grid, light, normals, bounds, none = _few_pixels()
+    moved(grid, normals, normals)
     problem = (
         grid.neighbors, normals, light, none, none, bounds, bounds, bounds, uniform_links(grid), bounds, 1.0, 1.0,
         np.zeros((0, 3)),
     )  # fmt: skip
     relax(*problem, normals.copy(), False, 0, grid.size)
     slope(*problem, normals, normals.copy(), 0, grid.size)
+
+
+def _compile_rest() -> None:
+    """Compile in the same way what else the refinement needs."""
+    grid, light, normals, bounds, none = _few_pixels()
+    edge_links(grid, normals, IlluminationInterval(bounds, bounds), turn=1.0, jump=1.0)
     coarse = grid.coarsening.coarse
     means, slopes = np.zeros((2, coarse.size, 3))
     sums = np.zeros((4, coarse.size))
-    finish_blocks(light, means, *sums[1:], np.empty(coarse.size), 0, coarse.size)
     gather_blocks(
         grid.coarsening.parent, light, normals, normals, none, bounds, bounds, bounds, means, slopes, *sums, 0, grid.size
     )  # fmt: skip
+    finish_blocks(light, means, *sums[1:], np.empty(coarse.size), 0, coarse.size)
+
+
+def _few_pixels() -> tuple[MaskedGrid, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return a grid, a light (which cannot be written to, as every light), normals, bounds, and no bounds at all."""
+    grid = MaskedGrid(np.ones((2, 2), np.bool_))
+    light = as_light("light", (0.0, 0.0, 1.0))
+    return grid, light, np.tile([0.0, 0.0, 1.0], (grid.size, 1)), np.zeros(grid.size), np.zeros(0)
 
 
 def _is_interpreter() -> bool:

@@ -268,8 +268,10 @@ def finish_blocks(light, mean, low, high, loose, lit, first, last):  # type: ign
         _unit(mean[p, 0], mean[p, 1], mean[p, 2], mean, p)
         lit[p] = light[0] * mean[p, 0] + light[1] * mean[p, 1] + light[2] * mean[p, 2]
         if loose[p] > 0.0:
-            low[p] = min(low[p] / loose[p], lit[p])
-            high[p] = max(high[p] / loose[p], lit[p])
+            # Written out, for min and max take long to compile.
+            lower, upper = low[p] / loose[p], high[p] / loose[p]
+            low[p] = lower if lower < lit[p] else lit[p]
+            high[p] = upper if upper > lit[p] else lit[p]
         else:
             low[p], high[p] = -1.0, 1.0
 
@@ -277,7 +279,7 @@ def finish_blocks(light, mean, low, high, loose, lit, first, last):  # type: ign
 @njit(cache=True, nogil=True, error_model="numpy")
 def _unit(x, y, z, out, p):  # type: ignore[no-untyped-def]
     """Write the unit vector with z >= 0; a vanishing one faces the viewer."""
-    z = max(z, 0.0)
+    z = z if z > 0.0 else 0.0
     norm = np.sqrt(x * x + y * y + z * z)
     if norm > 1e-12:
         out[p, 0], out[p, 1], out[p, 2] = x / norm, y / norm, z / norm

@@ -33,7 +33,10 @@ PARTS = {
     "light": (
         "estimation/light_prior.py", "estimation/light_fit.py", "estimation/weights/light_prior.npz", *_SHAPE,
     ),
-    "refinement": ("estimation/edges.py", "numerics/unit_field.py", "numerics/unit_field_kernels.py"),
+    "refinement": (
+        "estimation/edges.py",
+        *(f"numerics/unit_field{part}.py" for part in ("", "_cycle", "_kernels", "_problem")),
+    ),
 }  # fmt: skip
 """Files in `toonkit/` that trials depend on only by a method that uses them, or by a light that is estimated: what was
 learned of shapes and of lights, of which the learned shape is a judge, and the solver of our own refinement."""
