@@ -16,7 +16,7 @@ from tests.analytic import SOFT, ellipse, painted
 from toonkit import analyze, light_direction
 from toonkit.cli import main
 from toonkit.methods import first_use
-from toonkit.methods.first_use import LATE, PATIENCE, share_compiling
+from toonkit.methods.first_use import LATE, share_compiling
 
 COMPILE = "from toonkit.methods.first_use import compile_late; compile_late()"
 
@@ -42,26 +42,19 @@ print([first_use._is_compiled(loop) for loop in first_use.LATE])
 
 
 class Started:
-    """What `Popen` was asked to start, and how long it was waited for."""
+    """What `Popen` was asked to start, and how often it was waited for."""
 
     def __init__(self) -> None:
         self.commands: list[list[str]] = []
-        self.waited: list[float | None] = []
+        self.waited = 0
 
     def __call__(self, command: list[str], **_: object) -> Started:
         self.commands.append(command)
         return self
 
-    def wait(self, timeout: float | None = None) -> int:
-        self.waited.append(timeout)
+    def wait(self) -> int:
+        self.waited += 1
         return 0
-
-
-class AtOnce(threading.Thread):
-    """A thread that does its work when it is started."""
-
-    def start(self) -> None:
-        self.run()
 
 
 @pytest.fixture
@@ -70,10 +63,9 @@ def started(monkeypatch: pytest.MonkeyPatch) -> Iterator[Started]:
     started = Started()
     share_compiling.cache_clear()
     monkeypatch.setattr(first_use, "Popen", started)
-    monkeypatch.setattr(first_use, "Thread", AtOnce)
     monkeypatch.setattr(first_use, "_cores", lambda: 2)
     monkeypatch.setattr(first_use, "_is_compiled", lambda loop: False)
-    monkeypatch.setattr(first_use, "_running", [])
+    monkeypatch.setattr(first_use, "_waiting", [])
     yield started
     share_compiling.cache_clear()
 
@@ -93,10 +85,8 @@ def test_analyses_find_compiled_what_the_second_process_compiled(tmp_path: Path)
 
 
 def test_the_first_process_compiles_none_of_the_longest_loops(tmp_path: Path) -> None:
-    _, *longest = ast.literal_eval(
-        said_by(SHARED, tmp_path)
-    )  # hits and misses; the shortest one may be needed too early
-    assert longest == [(1, 0)] * (len(LATE) - 1)
+    _, *longest = ast.literal_eval(said_by(SHARED, tmp_path))  # the shortest one may be needed too early
+    assert longest == [(1, 0)] * (len(LATE) - 1)  # found, not compiled
 
 
 def test_the_first_analysis_starts_a_second_process_once(started: Started) -> None:
@@ -106,7 +96,7 @@ def test_the_first_analysis_starts_a_second_process_once(started: Started) -> No
     ((program, option, command),) = started.commands
     assert (program, option) == (sys.executable, "-c")
     assert COMPILE in command
-    assert started.waited == [None, PATIENCE]
+    assert started.waited == 1
 
 
 def test_a_method_without_those_loops_starts_none(started: Started) -> None:
@@ -166,15 +156,13 @@ def test_where_none_can_be_started_the_analysis_goes_on(
 def test_a_second_process_that_hangs_is_not_waited_for_for_ever(
     started: Started, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def hangs(_: object, timeout: float | None = None) -> int:
-        if timeout is None:
-            return 0  # the thread that waits as long as it takes
-        raise subprocess.TimeoutExpired("compiling", timeout)
-
-    monkeypatch.setattr(Started, "wait", hangs)
+    end = threading.Event()
+    monkeypatch.setattr(started, "wait", end.wait)
+    monkeypatch.setattr(first_use, "PATIENCE", 0.05)
     shape = ellipse(12, 9)
     analyze(painted(shape.normals, SOFT), light_direction(118, 41), method="classical")
-    assert first_use._running == []
+    assert first_use._waiting == []
+    end.set()
 
 
 def test_where_numba_was_told_not_to_compile_there_is_nothing_to_do() -> None:

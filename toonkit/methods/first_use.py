@@ -9,22 +9,22 @@ from __future__ import annotations
 import multiprocessing
 import os
 import sys
-from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from subprocess import DEVNULL, Popen, TimeoutExpired
+from subprocess import DEVNULL, Popen
 from threading import Thread
 from typing import Any
 
 import numpy as np
 
-from toonkit._validation import FloatArray, as_light
+from toonkit._validation import as_light
 from toonkit.estimation.edges import edge_links
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.numerics.masked_grid import MaskedGrid
 from toonkit.numerics.membrane import uniform_links
+from toonkit.numerics.unit_field_cycle import Level
 from toonkit.numerics.unit_field_kernels import finish_blocks, gather_blocks, relax, retract, slope
-from toonkit.numerics.unit_field_problem import moved
+from toonkit.numerics.unit_field_problem import UnitFieldProblem, moved
 
 LATE = (retract, relax, slope)
 """The loops that the second process compiles, in the order of need: about half of what there is."""
@@ -35,9 +35,8 @@ PATIENCE = 60.0
 NO_WINDOW = 0x08000000
 """What keeps Windows from opening one for a new process."""
 
-
-_running: list[Popen[bytes]] = []
-"""The second process, until it has been waited for."""
+_waiting: list[Thread] = []
+"""What waits for the second process, until the refinement has waited for it."""
 
 
 @cache
@@ -60,51 +59,58 @@ def share_compiling() -> None:
             [sys.executable, "-c", command],
             stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL, creationflags=NO_WINDOW if os.name == "nt" else 0,
         )  # fmt: skip
-        _running.append(helper)
-        Thread(target=helper.wait, name="toonkit-first-use", daemon=True).start()
+        waiting = Thread(target=helper.wait, name="toonkit-first-use", daemon=True)
+        waiting.start()
+        _waiting.append(waiting)
     except (OSError, RuntimeError):  # no more processes, or no more threads
         return
 
 
 def finish_compiling() -> None:
     """Wait for the second process, if there is one; compile meanwhile what the refinement needs besides."""
-    for helper in tuple(_running):
+    for waiting in tuple(_waiting):
         _compile_rest()
-        with suppress(TimeoutExpired):
-            helper.wait(PATIENCE)
-    _running.clear()
+        waiting.join(PATIENCE)
+    _waiting.clear()
 
 
 def compile_late() -> None:
     """Compile the loops of the second process for what an analysis calls them with, by calling them on a few pixels."""
-    grid, light, normals, bounds, none = _few_pixels()
-    moved(grid, normals, normals)
-    problem = (
-        grid.neighbors, normals, light, none, none, bounds, bounds, bounds, uniform_links(grid), bounds, 1.0, 1.0,
-        np.zeros((0, 3)),
-    )  # fmt: skip
-    relax(*problem, normals.copy(), False, 0, grid.size)
-    slope(*problem, normals, normals.copy(), 0, grid.size)
+    problem = _problem_of_a_few_pixels()
+    normals = moved(problem.grid, problem.start, problem.start)
+    level = Level(problem, None)
+    level.relax(level.posed, normals, backward=False)
+    level.slope(level.posed, normals, np.empty_like(normals))
 
 
 def _compile_rest() -> None:
     """Compile in the same way what else the refinement needs."""
-    grid, light, normals, bounds, none = _few_pixels()
-    edge_links(grid, normals, IlluminationInterval(bounds, bounds), turn=1.0, jump=1.0)
-    coarse = grid.coarsening.coarse
-    means, slopes = np.zeros((2, coarse.size, 3))
-    sums = np.zeros((4, coarse.size))
+    problem = _problem_of_a_few_pixels()
+    step, light, normals, bounds = problem.grid.coarsening, problem.direction, problem.start, problem.lower
+    edge_links(problem.grid, normals, IlluminationInterval(bounds, bounds), turn=1.0, jump=1.0)
+    means, slopes = np.zeros((2, step.coarse.size, 3))
+    sums = np.zeros((4, step.coarse.size))
     gather_blocks(
-        grid.coarsening.parent, light, normals, normals, none, bounds, bounds, bounds, means, slopes, *sums, 0, grid.size
+        step.parent, light, normals, normals, np.zeros(0), bounds, bounds, bounds, means, slopes, *sums, 0, len(normals)
     )  # fmt: skip
-    finish_blocks(light, means, *sums[1:], np.empty(coarse.size), 0, coarse.size)
+    finish_blocks(light, means, *sums[1:], np.empty(step.coarse.size), 0, step.coarse.size)
 
 
-def _few_pixels() -> tuple[MaskedGrid, FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return a grid, a light (which cannot be written to, as every light), normals, bounds, and no bounds at all."""
+def _problem_of_a_few_pixels() -> UnitFieldProblem:
     grid = MaskedGrid(np.ones((2, 2), np.bool_))
-    light = as_light("light", (0.0, 0.0, 1.0))
-    return grid, light, np.tile([0.0, 0.0, 1.0], (grid.size, 1)), np.zeros(grid.size), np.zeros(0)
+    ones = np.ones(grid.size)
+    return UnitFieldProblem(
+        grid=grid,
+        start=np.tile([0.0, 0.0, 1.0], (grid.size, 1)),
+        direction=as_light("light", (0.0, 0.0, 1.0)),  # which cannot be written to, as every light
+        lower=ones,
+        upper=ones,
+        weight=ones,
+        links=uniform_links(grid),
+        ties=ones,
+        change_weight=1.0,
+        integrability_weight=1.0,
+    )
 
 
 def _is_interpreter() -> bool:
