@@ -33,7 +33,7 @@ print([(sum(loop.stats.cache_hits.values()), sum(loop.stats.cache_misses.values(
 """
 
 ALONE = ANALYSIS.format(prepared="toonkit.methods.share_compiling = lambda: None")
-SHARED = ANALYSIS.format(prepared="toonkit.methods.first_use._cores = lambda: 2")
+SHARED = ANALYSIS.format(prepared="toonkit.methods.first_use.cores = lambda: 2")
 
 COMPILED = """
 from toonkit.methods import first_use
@@ -63,7 +63,7 @@ def started(monkeypatch: pytest.MonkeyPatch) -> Iterator[Started]:
     started = Started()
     share_compiling.cache_clear()
     monkeypatch.setattr(first_use, "Popen", started)
-    monkeypatch.setattr(first_use, "_cores", lambda: 2)
+    monkeypatch.setattr(first_use, "cores", lambda: 2)
     monkeypatch.setattr(first_use, "_is_compiled", lambda loop: False)
     monkeypatch.setattr(first_use, "_waiting", [])
     yield started
@@ -126,7 +126,7 @@ def test_it_finds_modules_where_this_process_does_and_nowhere_else(
     ("where", "name", "value"),
     [
         (first_use, "_is_compiled", lambda loop: True),
-        (first_use, "_cores", lambda: 1),
+        (first_use, "cores", lambda: 1),
         (first_use.multiprocessing, "parent_process", lambda: "the one that started this worker"),
         (first_use.sys, "executable", "/opt/painter/painter"),
         (first_use.sys, "executable", None),

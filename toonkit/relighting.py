@@ -93,10 +93,9 @@ def _paint(  # type: ignore[no-untyped-def]
                 color[row, column, 0] = color[row, column, 1] = color[row, column, 2] = np.nan
                 continue
             n0, n1, n2 = normals[row, column, 0], normals[row, column, 1], normals[row, column, 2]
-            now = x * n0 + y * n1 + z * n2
+            was, now = lx * n0 + ly * n1 + lz * n2, x * n0 + y * n1 + z * n2
             red, green, blue = _mapped(colors, low, high, now)
-            if keep_detail:
-                was = lx * n0 + ly * n1 + lz * n2
+            if keep_detail and abs(now - was) < 2.0 * DETAIL_RANGE:  # farther off nothing is kept
                 was_red, was_green, was_blue = _mapped(colors, low, high, was)
                 more_red = painted[row, column, 0] - was_red
                 more_green = painted[row, column, 1] - was_green

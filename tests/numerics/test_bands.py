@@ -19,7 +19,7 @@ def small_bands(monkeypatch):
 
 @pytest.fixture(params=[1, 2, 3, 7], ids=lambda cores: f"{cores}-cores", autouse=True)
 def cores(request, monkeypatch):
-    monkeypatch.setattr(bands, "_cores", lambda: request.param)
+    monkeypatch.setattr(bands, "cores", lambda: request.param)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -54,7 +54,7 @@ def test_results_come_in_the_order_of_the_bands():
 
 
 def test_a_sweep_visits_every_pixel_once_and_back_in_the_reverse_order(monkeypatch):
-    monkeypatch.setattr(bands, "_cores", lambda: 1)
+    monkeypatch.setattr(bands, "cores", lambda: 1)
     grid = MaskedGrid(blob_mask(2, size=40))
     order = {}
     for backward in (False, True):

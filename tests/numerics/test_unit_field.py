@@ -153,7 +153,7 @@ def test_the_answer_does_not_depend_on_the_number_of_cores(monkeypatch):
     assert len(problem.grid.bands.spans) > 2
     answers = []
     for cores in (1, 2, 5):
-        monkeypatch.setattr(bands, "_cores", lambda cores=cores: cores)
+        monkeypatch.setattr(bands, "cores", lambda cores=cores: cores)
         answers.append(solve_unit_field(problem, max_cycles=2)[0])
     assert np.array_equal(answers[0], answers[1])
     assert np.array_equal(answers[0], answers[2])

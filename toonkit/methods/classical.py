@@ -5,7 +5,6 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from toonkit.analysis import ToonAnalysis
-from toonkit.methods.first_use import finish_compiling
 from toonkit.methods.steps import StepProgress, inflated
 from toonkit.model.image import ToonImage
 
@@ -47,5 +46,4 @@ def classical(
     the integrability that normals of a surface have; see `toonkit.estimation.energy.ChangeEnergy`.
     """
     steps = inflated(image, light, progress)
-    finish_compiling()
     return steps.finished("classical", steps.refined(steps.initial_normals, previous))

@@ -20,6 +20,7 @@ import numpy as np
 from toonkit._validation import as_light
 from toonkit.estimation.edges import edge_links
 from toonkit.model.color_map import IlluminationInterval
+from toonkit.numerics.bands import cores
 from toonkit.numerics.masked_grid import MaskedGrid
 from toonkit.numerics.membrane import uniform_links
 from toonkit.numerics.unit_field_cycle import Level
@@ -47,7 +48,7 @@ def share_compiling() -> None:
     It writes them where this process will look for them when it needs them; if it fails, this one compiles them itself.
     Nothing is done in one of many workers, on a single core, or where Python is inside of another program.
     """
-    if not _is_interpreter() or multiprocessing.parent_process() is not None or _cores() == 1:
+    if not _is_interpreter() or multiprocessing.parent_process() is not None or cores() == 1:
         return
     if all(map(_is_compiled, LATE)):
         return
@@ -116,10 +117,6 @@ def _problem_of_a_few_pixels() -> UnitFieldProblem:
 def _is_interpreter() -> bool:
     """Tell whether this process is Python itself, and can be called again as such."""
     return not getattr(sys, "frozen", False) and Path(sys.executable or "").stem.lower().startswith("python")
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _is_compiled(loop: Any) -> bool:

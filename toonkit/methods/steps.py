@@ -14,6 +14,7 @@ from toonkit.estimation.color_map_fit import allowed_interval, painted_interval,
 from toonkit.estimation.energy import ShadingTerm
 from toonkit.estimation.reading import reading
 from toonkit.estimation.refinement import Refinement, RefinementOptions, refine_traced
+from toonkit.methods.first_use import finish_compiling
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
@@ -63,6 +64,7 @@ class Inflated:
         self, normals: NormalField, previous: ToonAnalysis | None, options: RefinementOptions | None = None
     ) -> Refinement:
         """Fit the color map to normals and refine them (Sections 3.2 and 3.3), from an earlier answer if there is one."""
+        finish_compiling()
         read = reading(self.image)
         allowed, painted = self._allowed(normals)
         return refine_traced(

@@ -7,7 +7,6 @@ from numpy.typing import ArrayLike
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.refinement import RefinementOptions
 from toonkit.estimation.shape_prior import correct_shape
-from toonkit.methods.first_use import finish_compiling
 from toonkit.methods.steps import INFLATED, StepProgress, inflated
 from toonkit.model.image import ToonImage
 
@@ -56,5 +55,4 @@ def toonkit(
     if progress is not None:
         progress("correcting the shape", INFLATED / 2)
     corrected = correct_shape(image, steps.light, steps.initial_normals)
-    finish_compiling()
     return steps.finished("toonkit", steps.refined(corrected, previous, OPTIONS))

@@ -151,7 +151,7 @@ def _on_all_cores(
         for k in waiting:
             results[k] = loop(*arguments, *spans[k])
 
-    helping = [_helpers().submit(work) for _ in range(min(_cores(), len(spans)) - 1)]
+    helping = [_helpers().submit(work) for _ in range(min(cores(), len(spans)) - 1)]
     work()
     for helper in helping:
         if not helper.cancel():  # one that has not begun finds nothing left to do
@@ -159,14 +159,14 @@ def _on_all_cores(
     return results
 
 
-def _cores() -> int:
+def cores() -> int:
     """Cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @cache
 def _helpers() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(max(_cores() - 1, 1), "toonkit-band")
+    return ThreadPoolExecutor(max(cores() - 1, 1), "toonkit-band")
 
 
 if hasattr(os, "register_at_fork"):  # a forked process has none of its parent's threads
