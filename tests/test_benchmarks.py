@@ -46,6 +46,9 @@ def test_readme_shows_how_the_analysis_scales():
     rows = [row for row in numbers("speed.csv") if row["method"] == "toonkit"]
     assert shown("scaling") == speed.table(rows)
     assert {row["size"] for row in rows} == set(speed.SIZES)
+    first = {row["shape"]: row["first_seconds"] for row in rows if row["size"] == max(speed.SIZES)}
+    text = " ".join(README.split())
+    assert f"in a process {first['sphere']:.0f} s for the disc and {first['cat']:.0f} s for the cat" in text
 
 
 def test_readme_shows_the_solvers_that_were_compared():
