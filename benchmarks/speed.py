@@ -211,18 +211,28 @@ print(time.perf_counter() - begin)
 
 
 def first_use() -> Row:
-    """Time a 512² drawing in new processes, imports included: the first one on a machine compiles, later ones need not."""
+    """
+    Time a 512² drawing in new processes, imports included: the first one on a machine compiles, later ones need not.
+
+    Medians over five of each; to a first one the machine is new, for it finds nothing compiled.
+    """
     image = drawing("cat", 512)
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder) / "drawing.npz")
         np.savez(path, color=image.color, mask=image.mask, alpha=image.alpha)
-        run = [sys.executable, "-c", FRESH.format(path=path)]
-        environment = {**os.environ, "NUMBA_CACHE_DIR": folder}
-        seconds = [
-            float(subprocess.run(run, env=environment, check=True, capture_output=True, text=True).stdout)
-            for _ in range(6)
-        ]
-    return {"first_process_seconds": seconds[0], "later_process_seconds": float(np.median(seconds[1:]))}
+
+        def seconds(machine: int) -> float:
+            environment = {**os.environ, "NUMBA_CACHE_DIR": str(Path(folder) / f"machine {machine}")}
+            run = [sys.executable, "-c", FRESH.format(path=path)]
+            return float(
+                subprocess.run(run, env=environment, check=True, capture_output=True, text=True).stdout
+            )
+
+        first, later = ([seconds(machine) for machine in range(5)] for _ in range(2))
+    return {
+        "first_process_seconds": float(np.median(first)),
+        "later_process_seconds": float(np.median(later)),
+    }
 
 
 def _solver_row(shape: str, size: int, problem: str, solver: str, seconds: float) -> Row:
