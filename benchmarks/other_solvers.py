@@ -18,7 +18,8 @@ from scipy.sparse.linalg import splu
 from toonkit.numerics.masked_grid import OUTSIDE, RIGHT, UP, MaskedGrid
 from toonkit.numerics.membrane import Membrane
 from toonkit.numerics.unit_field_kernels import relax, slope
-from toonkit.numerics.unit_field_problem import UnitFieldProblem, moved
+from toonkit.numerics.unit_field_problem import UnitFieldProblem
+from toonkit.numerics.unit_vectors import moved
 
 RELAXATION = 1.5
 """The paper's over-relaxation."""

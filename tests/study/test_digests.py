@@ -64,6 +64,7 @@ def test_the_digest_of_the_code_follows_the_code_and_not_its_words(tmp_path):
         ("estimation/convolution.py", {"shape", "light"}),
         ("estimation/edges.py", {"refinement"}),
         ("numerics/unit_field_kernels.py", {"refinement"}),
+        ("numerics/smoothing.py", {"smoothing"}),
     ],
 )
 def test_what_some_methods_use_has_digests_of_its_own(file, depending, tmp_path):

@@ -26,7 +26,7 @@ from toonkit.estimation.working_square import SIZE, WorkingSquare
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.numerics.bands import run_each
-from toonkit.numerics.unit_field_problem import moved
+from toonkit.numerics.unit_vectors import moved
 
 SQUARES = ((1.0, True), (1.045, False))
 """Squares on which the network is asked: how much wider than the object needs, the first one not at all, and whether

@@ -23,9 +23,9 @@ from toonkit.model.color_map import IlluminationInterval
 from toonkit.numerics.bands import cores
 from toonkit.numerics.masked_grid import MaskedGrid
 from toonkit.numerics.membrane import uniform_links
-from toonkit.numerics.unit_field_cycle import Level
 from toonkit.numerics.unit_field_kernels import finish_blocks, gather_blocks, relax, retract, slope
-from toonkit.numerics.unit_field_problem import UnitFieldProblem, moved
+from toonkit.numerics.unit_field_problem import UnitFieldProblem
+from toonkit.numerics.unit_vectors import moved
 
 LATE = (retract, relax, slope)
 """The loops that the second process compiles, in the order of need: about half of what there is."""
@@ -79,9 +79,8 @@ def compile_late() -> None:
     """Compile the loops of the second process for what an analysis calls them with, by calling them on a few pixels."""
     problem = _problem_of_a_few_pixels()
     normals = moved(problem.grid, problem.start, problem.start)
-    level = Level(problem, None)
-    level.relax(level.posed, normals, backward=False)
-    level.slope(level.posed, normals, np.empty_like(normals))
+    problem.relax(problem.posed, normals, backward=False)
+    problem.slope(problem.posed, normals, np.empty_like(normals))
 
 
 def _compile_rest() -> None:

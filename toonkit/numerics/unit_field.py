@@ -10,7 +10,8 @@ from toonkit._validation import FloatArray
 from toonkit.numerics.bands import inner
 from toonkit.numerics.report import SolverReport
 from toonkit.numerics.unit_field_cycle import Level, correct, from_coarser_grids
-from toonkit.numerics.unit_field_problem import UnitFieldProblem, moved
+from toonkit.numerics.unit_field_problem import UnitFieldProblem
+from toonkit.numerics.unit_vectors import UnitVectorProblem, moved
 
 __all__ = ["UnitFieldProblem", "solve_unit_field"]
 
@@ -22,7 +23,7 @@ LONGEST_STEP = 2.0
 
 
 def solve_unit_field(
-    problem: UnitFieldProblem,
+    problem: UnitVectorProblem,
     *,
     guess: FloatArray | None = None,
     tolerance: float = 1e-6,
@@ -31,14 +32,14 @@ def solve_unit_field(
     progress: Callable[[float], None] | None = None,
 ) -> tuple[FloatArray, SolverReport]:
     """
-    Minimize from n0, or from a guess that coarser grids have improved: whichever has the lower energy.
+    Minimize from the start, or from a guess that coarser grids have improved: whichever has the lower energy.
 
     Parameters
     ----------
-    problem : UnitFieldProblem
-        The problem.
+    problem : UnitVectorProblem
+        The problem: a `UnitFieldProblem`, or a `toonkit.numerics.smoothing.SmoothingProblem`.
     guess : ndarray, shape (P, 3), optional
-        Unit vectors near the answer, such as the answer to a problem like this one; n0 by default.
+        Unit vectors near the answer, such as the answer to a problem like this one; the start by default.
     tolerance : float, optional
         Relative decrease of the energy in one cycle below which nothing is left to gain.
     negligible : float, optional
@@ -53,14 +54,14 @@ def solve_unit_field(
     field : ndarray, shape (P, 3)
         Unit vectors.
     report : SolverReport
-        Iterations are cycles; energies are those of n0, of where the first cycle starts, and after each cycle.
+        Iterations are cycles; energies are those of the start, of where the first cycle starts, and after each cycle.
 
     Notes
     -----
     A cycle is a V-cycle of the full approximation scheme [1]_, see `toonkit.numerics.unit_field_cycle`. On the finest grid,
     whose gradient is known, nothing is relaxed before: that would take a third of the time and gain less where a few cycles
     are enough. Its correction preconditions nonlinear conjugate gradients, whose step is the exact one of a parabola. The
-    energy never rises above that of n0.
+    energy never rises above that of the start.
 
     References
     ----------
@@ -72,7 +73,7 @@ def solve_unit_field(
     near = problem.start if guess is None else moved(problem.grid, guess, guess)
     starts = [problem.start, from_coarser_grids(finest, near)]
     gradients = np.empty((2, *problem.start.shape))
-    energies = [finest.slope(finest.posed, *pair) for pair in zip(starts, gradients, strict=True)]
+    energies = [problem.slope(problem.posed, *pair) for pair in zip(starts, gradients, strict=True)]
     best = int(np.argmin(energies))
     energies[1] = energies[best]
     tell(0.2)
@@ -109,7 +110,7 @@ class _Descent:
         finest = self.finest
         improved = self._trial
         improved[:] = self.field
-        correct(finest, finest.posed, improved, self.gradient, self.energy)
+        correct(finest, finest.problem.posed, improved, self.gradient, self.energy)
         step = np.subtract(improved, self.field, out=finest.room("step"))
         along = inner(self.gradient, step)
         first = along
@@ -129,7 +130,7 @@ class _Descent:
 
         def tried(length: float) -> float:
             finest.retracted(self.field, step, length, trial)
-            return finest.slope(finest.posed, trial, slopes)
+            return finest.problem.slope(finest.problem.posed, trial, slopes)
 
         length, best, lowest = 1.0, 0.0, self.energy
         for _ in range(TRIALS):

@@ -1,5 +1,5 @@
 """
-Cycles of the unit-field solver over ever coarser grids: the full approximation scheme.
+Cycles of the solver for unit vectors over ever coarser grids: the full approximation scheme.
 
 Coarse grids see the same kind of problem, with a linear term that makes them stand still where the fine grid does, and with
 the illuminations that are outside their intervals held as firmly as they are there.
@@ -8,14 +8,13 @@ the illuminations that are outside their intervals held as firmly as they are th
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
 from toonkit._validation import FloatArray
 from toonkit.numerics.bands import inner
-from toonkit.numerics.unit_field_kernels import finish_blocks, gather_blocks, relax, retract, slope
-from toonkit.numerics.unit_field_problem import UnitFieldProblem, moved
+from toonkit.numerics.unit_field_kernels import finish_blocks, gather_blocks, retract
+from toonkit.numerics.unit_vectors import NO_SOURCE, Terms, UnitVectorProblem, moved
 
 COARSEST_SIZE = 1000
 """Pixels of the coarsest grid at most: on still coarser ones one vector stands for too much of an object's curvature."""
@@ -29,31 +28,6 @@ SMALL = 16 * COARSEST_SIZE
 LONGEST_CORRECTION = 2.0
 """How far a coarser grid's correction is followed at most, in units of itself."""
 
-_NONE, _NO_SOURCE = np.zeros(0), np.zeros((0, 3))
-
-
-@dataclass(frozen=True, eq=False)
-class Terms:
-    """
-    What else than n0 draws at a level's normals: as the problem says, or as a finer level asks.
-
-    Attributes
-    ----------
-    lower, upper, weight : ndarray, shape (P,)
-        Interval of L · n, and the weight of its penalty.
-    hold, target : ndarray, shape (P,)
-        How firmly L · n is held, and where; of shape (0,) where a problem is as it was posed.
-    source : ndarray, shape (P, 3)
-        Linear term; of shape (0, 3) where there is none.
-    """
-
-    lower: FloatArray
-    upper: FloatArray
-    weight: FloatArray
-    hold: FloatArray
-    target: FloatArray
-    source: FloatArray
-
 
 @dataclass(frozen=True, eq=False)
 class Level:
@@ -62,18 +36,18 @@ class Level:
 
     Attributes
     ----------
-    problem : UnitFieldProblem
+    problem : UnitVectorProblem
         The problem there.
     coarser : Level or None
         The next one, None on the coarsest grid.
     """
 
-    problem: UnitFieldProblem
+    problem: UnitVectorProblem
     coarser: Level | None
     _rooms: dict[str, FloatArray] = field(default_factory=dict)
 
     @classmethod
-    def finest(cls, problem: UnitFieldProblem) -> Level:
+    def finest(cls, problem: UnitVectorProblem) -> Level:
         """Return the level of a problem as it is posed, with those of all coarser grids behind it."""
         if problem.grid.size <= COARSEST_SIZE:
             return cls(problem, None)
@@ -98,27 +72,6 @@ class Level:
         self._rooms[name].fill(0.0)
         return self._rooms[name]
 
-    @property
-    def posed(self) -> Terms:
-        """The terms of the problem itself."""
-        problem = self.problem
-        return Terms(problem.lower, problem.upper, problem.weight, _NONE, _NONE, _NO_SOURCE)
-
-    def relax(self, terms: Terms, field: FloatArray, *, backward: bool) -> None:
-        """Turn one normal after the other to where its own energy is least, in place."""
-        self.problem.grid.bands.sweep(relax, *self._arguments(terms), field, backward=backward)
-
-    def slope(self, terms: Terms, field: FloatArray, out: FloatArray) -> float:
-        """Return the energy of a field; write its gradient."""
-        return float(sum(self.problem.grid.bands.run(slope, *self._arguments(terms), field, out)))
-
-    def _arguments(self, terms: Terms) -> tuple[Any, ...]:
-        problem = self.problem
-        return (
-            problem.grid.neighbors, problem.start, problem.direction, terms.hold, terms.target, terms.lower, terms.upper,
-            terms.weight, problem.links, problem.ties, problem.change_weight, problem.integrability_weight, terms.source,
-        )  # fmt: skip
-
     def retracted(self, field: FloatArray, step: FloatArray, length: float, out: FloatArray) -> FloatArray:
         """Write the unit vectors of `field + length * step` to `out`, and return it; it may be one of the two."""
         self.problem.grid.bands.run(retract, field, step, length, out)
@@ -134,7 +87,7 @@ def from_coarser_grids(level: Level, guess: FloatArray) -> FloatArray:
     sums = step.sums(guess)
     its_guess = moved(coarse.problem.grid, sums, sums)
     field = from_coarser_grids(coarse, its_guess)
-    cycle(coarse, coarse.posed, field)
+    cycle(coarse, coarse.problem.posed, field)
     change = step.interpolated(field - its_guess, np.empty_like(guess))
     return level.retracted(guess, change, 1.0, change)
 
@@ -143,12 +96,12 @@ def cycle(level: Level, terms: Terms, field: FloatArray) -> None:
     """Improve a field in place: relax, let the coarser grids correct it, relax in the opposite order."""
     if level.coarser is None:
         for _ in range(COARSEST_SWEEPS):
-            level.relax(terms, field, backward=False)
-            level.relax(terms, field, backward=True)
+            level.problem.relax(terms, field, backward=False)
+            level.problem.relax(terms, field, backward=True)
         return
-    level.relax(terms, field, backward=False)
+    level.problem.relax(terms, field, backward=False)
     gradient = level.room("gradient")
-    energy = level.slope(terms, field, gradient)
+    energy = level.problem.slope(terms, field, gradient)
     correct(level, terms, field, gradient, energy)
 
 
@@ -166,7 +119,7 @@ def correct(level: Level, terms: Terms, field: FloatArray, gradient: FloatArray,
     step = level.problem.grid.coarsening.interpolated(change, level.room("step"))
     length = 1.0 if len(field) >= SMALL else _fitting_length(level, terms, field, step, gradient, energy)
     level.retracted(field, step, length, field)
-    level.relax(terms, field, backward=True)
+    level.problem.relax(terms, field, backward=True)
 
 
 def _restricted(
@@ -183,9 +136,9 @@ def _restricted(
         terms.weight, start, slopes, hold, lower, upper, weight,
     )  # fmt: skip
     coarse.problem.grid.bands.run(finish_blocks, light, start, lower, upper, weight, target)
-    terms = Terms(lower, upper, weight, hold, target, _NO_SOURCE)
+    terms = Terms(lower, upper, weight, hold, target, NO_SOURCE)
     source = coarse.room("source")
-    coarse.slope(terms, start, source)
+    coarse.problem.slope(terms, start, source)
     source -= slopes
     return start, replace(terms, source=source)
 
@@ -196,5 +149,5 @@ def _fitting_length(
     """Return the length of a step at which a parabola is least: through the energy and its slope here, and at its end."""
     along = inner(gradient, step)
     end = level.retracted(field, step, 1.0, level.room("end"))
-    bend = level.slope(terms, end, level.room("end's gradient")) - energy - along
+    bend = level.problem.slope(terms, end, level.room("end's gradient")) - energy - along
     return float(np.clip(-along / (2.0 * bend), 0.0, LONGEST_CORRECTION)) if bend > 0.0 else 1.0

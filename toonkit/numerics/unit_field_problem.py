@@ -11,31 +11,21 @@ where P is the squared distance of L · n to an interval and r the integrability
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-
-import numpy as np
+from typing import Any
 
 from toonkit._validation import FloatArray
-from toonkit.numerics.masked_grid import Links, MaskedGrid
-from toonkit.numerics.unit_field_kernels import retract
+from toonkit.numerics.masked_grid import Links
+from toonkit.numerics.unit_field_kernels import relax, slope
+from toonkit.numerics.unit_vectors import Terms, UnitVectorProblem
 
 
 @dataclass(frozen=True, eq=False)
-class UnitFieldProblem:
+class UnitFieldProblem(UnitVectorProblem):
     """
-    One problem on one grid.
+    One problem on one grid; `start` is n0, from which the change is measured.
 
     Attributes
     ----------
-    grid : MaskedGrid
-        The pixels.
-    start : ndarray, shape (P, 3)
-        n0, unit vectors from which the change is measured.
-    direction : ndarray, shape (3,)
-        Unit vector L.
-    lower, upper : ndarray, shape (P,)
-        Interval of L · n.
-    weight : ndarray, shape (P,)
-        Weight w of the interval penalty.
     links : ndarray of float32, shape (P, 4)
         Stiffness k of the link to each neighbor, the same seen from both ends.
     ties : ndarray, shape (P,)
@@ -44,12 +34,6 @@ class UnitFieldProblem:
         l² and m².
     """
 
-    grid: MaskedGrid
-    start: FloatArray
-    direction: FloatArray
-    lower: FloatArray
-    upper: FloatArray
-    weight: FloatArray
     links: Links
     ties: FloatArray
     change_weight: float
@@ -58,22 +42,28 @@ class UnitFieldProblem:
     def coarsened(self) -> UnitFieldProblem:
         """Return the same problem on 2 x 2 blocks: of intervals and vectors the means, of links what is as stiff."""
         step = self.grid.coarsening
-        start = step.sums(self.weight[:, None] * self.start)
-        weight = step.sums(self.weight)
+        start, lower, upper, weight = self.block_means(step)
         return replace(
             self,
             grid=step.coarse,
-            start=moved(step.coarse, start, start),
-            lower=step.sums(self.weight * self.lower) / weight,
-            upper=step.sums(self.weight * self.upper) / weight,
+            start=start,
+            lower=lower,
+            upper=upper,
             weight=weight,
             links=step.links(self.links),
             ties=step.sums(self.ties),
         )
 
+    def relax(self, terms: Terms, field: FloatArray, *, backward: bool) -> None:
+        """Turn one vector after the other to where its own energy is least, in place."""
+        self.grid.bands.sweep(relax, *self._arguments(terms), field, backward=backward)
 
-def moved(grid: MaskedGrid, field: FloatArray, step: FloatArray) -> FloatArray:
-    """Return the unit vectors (P, 3) of a field plus a step, z >= 0; one that vanishes faces the viewer."""
-    out = np.empty_like(field)
-    grid.bands.run(retract, field, step, 1.0, out)
-    return out
+    def slope(self, terms: Terms, field: FloatArray, out: FloatArray) -> float:
+        """Return the energy of a field; write its gradient."""
+        return float(sum(self.grid.bands.run(slope, *self._arguments(terms), field, out)))
+
+    def _arguments(self, terms: Terms) -> tuple[Any, ...]:
+        return (
+            self.grid.neighbors, self.start, self.direction, terms.hold, terms.target, terms.lower, terms.upper,
+            terms.weight, self.links, self.ties, self.change_weight, self.integrability_weight, terms.source,
+        )  # fmt: skip

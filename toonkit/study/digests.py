@@ -35,16 +35,19 @@ PARTS = {
     ),
     "refinement": (
         "estimation/edges.py",
+        "numerics/unit_vectors.py",
         *(f"numerics/unit_field{part}.py" for part in ("", "_cycle", "_kernels", "_problem")),
     ),
+    "smoothing": ("numerics/smoothing.py", "numerics/smoothing_kernels.py"),
 }  # fmt: skip
 """Files in `toonkit/` that trials depend on only by a method that uses them, or by a light that is estimated: what was
-learned of shapes and of lights, of which the learned shape is a judge, and the solver of our own refinement."""
+learned of shapes and of lights, of which the learned shape is a judge, the solver of our own refinement, and Eq. 5 by it."""
 
 _USED_BY = {
     "shape": ("shape_prior",),
     "light": ("light_fit", "light_prior"),
     "refinement": (".refined(", "shape_prior"),  # whose normals the solver's module makes unit vectors
+    "smoothing": ("SmoothingProblem",),
 }  # what a method's module says if it uses them
 
 MEASURED_BY = (

@@ -1,0 +1,159 @@
+"""The compiled pixel loops of `SmoothingProblem`: one file, because a compiled cache does not see changes in another.
+
+All of them work on the pixels first to last of a grid, so that bands of it can be done at once, and write to those alone.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+LEAST_CURVATURE = 0.3
+"""Share of the pull's strength that its curvature has at least, so that a vector which looks the other way turns around."""
+
+RELAXATION = 1.3
+"""How far a vector is turned, in units of the step that is best for itself: the Laplacian squared wants more than one."""
+
+
+@njit(inline="always")
+def _turn(neighbors, links, field, p):  # type: ignore[no-untyped-def]
+    """Return the Laplacian at p, and the sum of its links."""
+    x = y = z = total = 0.0
+    nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
+    for k in range(4):
+        q = neighbors[p, k]
+        if q >= 0:
+            link = links[p, k]
+            total += link
+            x += link * (field[q, 0] - nx)
+            y += link * (field[q, 1] - ny)
+            z += link * (field[q, 2] - nz)
+    return x, y, z, total
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})
+def laplacian(neighbors, links, field, out, first, last):  # type: ignore[no-untyped-def]
+    """Write the Laplacian of a field (P, 3)."""
+    for p in range(first, last):
+        out[p, 0], out[p, 1], out[p, 2], _ = _turn(neighbors, links, field, p)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})
+def relax_smooth(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's step, compiled as a whole
+    neighbors, links, areas, light, hold, target, lower, upper, weight, smoothness, source,
+    field, backward, first, last,
+):  # fmt: skip
+    """
+    Turn one vector after the other to where its own energy is least, and somewhat beyond, in place.
+
+    One Newton step in the tangent plane: the curvature of the Laplacian's square is alike in all directions, so that the
+    illumination's adds to it along one alone. The interval counts if the step would leave it.
+    """
+    pulled, held = source.shape[0] > 0, hold.shape[0] > 0
+    lx, ly, lz = light
+    for i in range(first, last):
+        p = first + last - 1 - i if backward else i
+        nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
+        tx, ty, tz, total = _turn(neighbors, links, field, p)
+        share = total / areas[p]
+        gx, gy, gz = -share * tx, -share * ty, -share * tz
+        stiffness = share * total
+        for k in range(4):
+            q = neighbors[p, k]
+            if q >= 0:
+                share = links[p, k] / areas[q]
+                tx, ty, tz, _ = _turn(neighbors, links, field, q)
+                gx += share * tx
+                gy += share * ty
+                gz += share * tz
+                stiffness += share * links[p, k]
+        # The pull: where the energy without the illumination would be least for a vector of any length.
+        double = 2.0 * smoothness
+        fx = double * (stiffness * nx - gx)
+        fy = double * (stiffness * ny - gy)
+        fz = double * (stiffness * nz - gz)
+        if pulled:
+            fx += source[p, 0]
+            fy += source[p, 1]
+            fz += source[p, 2]
+        along = fx * nx + fy * ny + fz * nz
+        curvature = max(along, LEAST_CURVATURE * np.sqrt(fx * fx + fy * fy + fz * fz))
+        if curvature <= 0.0:
+            curvature = 1e-12 * smoothness + 1e-300
+        gx, gy, gz = along * nx - fx, along * ny - fy, along * nz - fz
+        # The illumination: what holds it, then the interval if the step would leave it.
+        lit = lx * nx + ly * ny + lz * nz
+        ax, ay, az = lx - lit * nx, ly - lit * ny, lz - lit * nz
+        across = ax * ax + ay * ay + az * az
+        down = ax * gx + ay * gy + az * gz
+        firm = pull = 0.0
+        if held:
+            firm = 2.0 * hold[p]
+            pull = firm * (lit - target[p])
+        after = lit - (down + pull * across) / (curvature + firm * across)
+        if after < lower[p] or after > upper[p]:
+            bound = lower[p] if after < lower[p] else upper[p]
+            firm += 2.0 * weight[p]
+            pull += 2.0 * weight[p] * (lit - bound)
+        # (curvature + firm a aᵀ) step = -(g + pull a), by Sherman and Morrison.
+        less = (pull * curvature - firm * down) / (curvature * (curvature + firm * across))
+        nx -= RELAXATION * (gx / curvature + less * ax)
+        ny -= RELAXATION * (gy / curvature + less * ay)
+        nz = max(nz - RELAXATION * (gz / curvature + less * az), 0.0)
+        length = np.sqrt(nx * nx + ny * ny + nz * nz)
+        if length > 1e-12:
+            field[p, 0] = nx / length
+            field[p, 1] = ny / length
+            field[p, 2] = nz / length
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})
+def slope_smooth(  # type: ignore[no-untyped-def]
+    neighbors, links, areas, light, hold, target, lower, upper, weight, smoothness, source,
+    field, turns, out, first, last,
+):  # fmt: skip
+    """
+    Return the energy and write its gradient to `out` (P, 3), as far as the vectors may follow it.
+
+    That is the part across each vector; one on the visible side's edge may not turn away. `turns` (P, 3) is the Laplacian.
+    """
+    pulled, held = source.shape[0] > 0, hold.shape[0] > 0
+    lx, ly, lz = light
+    energy = 0.0
+    for p in range(first, last):
+        nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
+        tx, ty, tz = turns[p, 0] / areas[p], turns[p, 1] / areas[p], turns[p, 2] / areas[p]
+        energy += smoothness * (tx * turns[p, 0] + ty * turns[p, 1] + tz * turns[p, 2])
+        gx = gy = gz = 0.0
+        for k in range(4):
+            q = neighbors[p, k]
+            if q >= 0:
+                link, area = links[p, k], areas[q]
+                gx += link * (turns[q, 0] / area - tx)
+                gy += link * (turns[q, 1] / area - ty)
+                gz += link * (turns[q, 2] / area - tz)
+        gx *= 2.0 * smoothness
+        gy *= 2.0 * smoothness
+        gz *= 2.0 * smoothness
+        if pulled:
+            energy -= source[p, 0] * nx + source[p, 1] * ny + source[p, 2] * nz
+            gx -= source[p, 0]
+            gy -= source[p, 1]
+            gz -= source[p, 2]
+        lit = lx * nx + ly * ny + lz * nz
+        excess = lit - min(max(lit, lower[p]), upper[p])
+        energy += weight[p] * excess * excess
+        pull = 2.0 * weight[p] * excess
+        if held:
+            away = lit - target[p]
+            energy += hold[p] * away * away
+            pull += 2.0 * hold[p] * away
+        gx += pull * lx
+        gy += pull * ly
+        gz += pull * lz
+        along = gx * nx + gy * ny + gz * nz
+        gz -= along * nz
+        out[p, 0] = gx - along * nx
+        out[p, 1] = gy - along * ny
+        out[p, 2] = 0.0 if nz <= 0.0 and gz > 0.0 else gz
+    return energy
