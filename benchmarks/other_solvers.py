@@ -15,11 +15,13 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
+from toonkit.numerics.gauss_seidel import over_relaxed_sweeps
 from toonkit.numerics.masked_grid import OUTSIDE, RIGHT, UP, MaskedGrid
 from toonkit.numerics.membrane import Membrane
-from toonkit.numerics.unit_field_kernels import relax, slope
+from toonkit.numerics.smoothing import SmoothingProblem
+from toonkit.numerics.unit_field_kernels import relax
 from toonkit.numerics.unit_field_problem import UnitFieldProblem
-from toonkit.numerics.unit_vectors import moved
+from toonkit.numerics.unit_vectors import UnitVectorProblem, moved
 
 RELAXATION = 1.5
 """The paper's over-relaxation."""
@@ -27,7 +29,11 @@ RELAXATION = 1.5
 LOOKED_AT_EVERY = 25
 """Sweeps between two looks at the energy and the clock."""
 
-NEWTON_STEPS = 30
+LEAST_DAMPING, MOST_DAMPING = 1e-8, 1e8
+"""Of Newton's method, in units of the matrix's diagonal: with more no step lowers the energy any more."""
+
+LEAST_DIAGONAL = 1e-9
+"""Share of the largest entry on the diagonal that counts where there is less."""
 
 Array = NDArray[np.float64]
 LinearSolver = Callable[[sp.csr_matrix, Array], Array]
@@ -79,43 +85,69 @@ def membrane_swept(
     return time.perf_counter() - begin
 
 
-def energy(problem: UnitFieldProblem, field: Array, gradient: Array | None = None) -> float:
+def energy(problem: UnitVectorProblem, field: Array, gradient: Array | None = None) -> float:
     """Energy of a field, by the same compiled loop for everyone."""
-    out = np.empty_like(field) if gradient is None else gradient
-    return float(slope(*_arguments(problem), field, out, 0, problem.grid.size))
+    return problem.slope(problem.posed, field, np.empty_like(field) if gradient is None else gradient)
 
 
-def swept(problem: UnitFieldProblem, goal: float, limit: float) -> tuple[float, float]:
-    """Sweep over-relaxed from n0 until the energy is down to `goal`; return seconds, at `limit` at most, and energy."""
+def swept(problem: UnitVectorProblem, goal: float, limit: float) -> tuple[float, float]:
+    """
+    Sweep over-relaxed from the start until the energy is down to `goal`; return seconds, at `limit` at most, and energy.
+
+    Eq. 5 by the sweeps of the paper's method as it stands in toonkit, the refinement by its own steps.
+    """
+    sweeps = _paper_sweeps if isinstance(problem, SmoothingProblem) else _field_sweeps
+    sweeps(problem, problem.start.copy(), 1)  # compiled
     field = problem.start.copy()
-    arguments = _arguments(problem)
-    _over_relaxed(*arguments, field.copy(), RELAXATION, 1)  # compiled
     spent, reached = 0.0, np.inf
     while spent < limit and reached > goal:
         begin = time.perf_counter()
-        _over_relaxed(*arguments, field, RELAXATION, LOOKED_AT_EVERY)
+        field = sweeps(problem, field, LOOKED_AT_EVERY)
         spent += time.perf_counter() - begin
         reached = energy(problem, field)
     return spent, reached
 
 
-def newton(problem: UnitFieldProblem, goal: float, limit: float, solve: LinearSolver) -> tuple[float, float]:
-    """Solve by Newton's method on the tangent planes, each step with an assembled matrix, until the energy meets `goal`."""
+def _paper_sweeps(problem: SmoothingProblem, field: Array, sweeps: int) -> Array:
+    # It is to make them all, and to look at no energy between: one that stands still is not taken for the end.
+    return over_relaxed_sweeps(
+        problem.grid, field, problem.direction, problem.lower, problem.upper, rho=float(problem.weight[0]),
+        smoothness=problem.smoothness, relaxation=RELAXATION, max_sweeps=sweeps, tolerance=-1.0, energy=lambda _: 1.0,
+    )[0]  # fmt: skip
+
+
+def _field_sweeps(problem: UnitFieldProblem, field: Array, sweeps: int) -> Array:
+    nothing = np.zeros(0)
+    _over_relaxed(
+        problem.grid.neighbors, problem.start, problem.direction, nothing, nothing, problem.lower, problem.upper,
+        problem.weight, problem.links, problem.ties, problem.change_weight, problem.integrability_weight,
+        np.zeros((0, 3)), field, RELAXATION, sweeps,
+    )  # fmt: skip
+    return field
+
+
+def newton(
+    problem: UnitVectorProblem, goal: float, limit: float, solve: LinearSolver
+) -> tuple[float, float, Array]:
+    """
+    Solve by Newton's method on the tangent planes, each step with an assembled matrix, until the energy meets `goal`.
+
+    Returns the seconds, the energy and the field; the energy is above the goal if the time is up or no step lowers it.
+    """
     begin = time.perf_counter()
     field = problem.start.copy()
-    gradient = np.empty_like(field)
+    gradient, slopes_after = np.empty((2, *field.shape))
     reached = energy(problem, field, gradient)
-    stiffness = laplacian(problem.grid, problem.links, problem.ties)
+    smoothness, rest = _bilinear(problem)
     damping = 1e-3
-    for _ in range(NEWTON_STEPS):
-        if reached <= goal or time.perf_counter() - begin > limit:
-            break
+    while reached > goal and damping < MOST_DAMPING and time.perf_counter() - begin < limit:
         frame = _tangents(field)
-        matrix = _curvature(problem, field, stiffness, frame)
-        matrix = matrix + damping * sp.diags(matrix.diagonal())
+        matrix = _curvature(problem, field, smoothness, rest, frame)
+        diagonal = matrix.diagonal()
+        # A pixel by itself, within its interval, is held by nothing: any step of it is as good.
+        matrix = matrix + damping * sp.diags(np.maximum(diagonal, LEAST_DIAGONAL * diagonal.max()))
         slopes = -(frame.T @ gradient.ravel())
         step = (frame @ solve(matrix.tocsr(), slopes[:, None])[:, 0]).reshape(field.shape)
-        slopes_after = np.empty_like(gradient)
         for length in (1.0, 0.5, 0.25, 0.1, 0.03):
             trial = moved(problem.grid, field, length * step)
             after = energy(problem, trial, slopes_after)
@@ -124,17 +156,9 @@ def newton(problem: UnitFieldProblem, goal: float, limit: float, solve: LinearSo
         if after >= reached:
             damping *= 10
             continue
-        field, gradient, reached, damping = trial, slopes_after, after, max(damping / 4, 1e-8)
-    return time.perf_counter() - begin, reached
-
-
-def _arguments(problem: UnitFieldProblem) -> tuple:
-    nothing = np.zeros(0)
-    return (
-        problem.grid.neighbors, problem.start, problem.direction, nothing, nothing, problem.lower, problem.upper,
-        problem.weight, problem.links, problem.ties, problem.change_weight, problem.integrability_weight,
-        np.zeros((0, 3)),
-    )  # fmt: skip
+        field, reached, damping = trial, after, max(damping / 4, LEAST_DAMPING)
+        gradient, slopes_after = slopes_after, gradient
+    return time.perf_counter() - begin, reached, field
 
 
 def _tangents(field: Array) -> sp.csr_matrix:
@@ -152,19 +176,29 @@ def _tangents(field: Array) -> sp.csr_matrix:
     )
 
 
+def _bilinear(problem: UnitVectorProblem) -> tuple[sp.csr_matrix, Array]:
+    """Return what holds the vectors together, as a matrix (P, P) for each component, and the field that it leaves at rest."""
+    if isinstance(problem, SmoothingProblem):
+        turns = laplacian(problem.grid, problem.links, np.zeros(problem.grid.size))
+        squared = turns.T @ sp.diags(1.0 / problem.areas) @ turns
+        return (problem.smoothness * squared).tocsr(), np.zeros_like(problem.start)
+    return problem.change_weight * laplacian(problem.grid, problem.links, problem.ties), problem.start
+
+
 def _curvature(
-    problem: UnitFieldProblem, field: Array, stiffness: sp.csr_matrix, frame: sp.csr_matrix
+    problem: UnitVectorProblem, field: Array, smoothness: sp.csr_matrix, rest: Array, frame: sp.csr_matrix
 ) -> sp.csr_matrix:
     """Second derivatives of the energy's convex part on the tangent planes, shape (2 P, 2 P)."""
-    pull = 2.0 * problem.change_weight * (stiffness @ (field - problem.start))
+    pull = 2.0 * (smoothness @ (field - rest))
     bend = np.maximum(-np.sum(pull * field, axis=1), 0.0)
-    membrane = sp.kron(2.0 * problem.change_weight * stiffness + sp.diags(bend), sp.eye(3))
+    curvature = sp.kron(2.0 * smoothness + sp.diags(bend), sp.eye(3))
     lit = field @ problem.direction
     outside = ((lit < problem.lower) | (lit > problem.upper)) * 2.0 * problem.weight
-    shading = sp.kron(sp.diags(outside), np.outer(problem.direction, problem.direction))
-    residual = _curl(problem.grid, field)
-    curl = 2.0 * problem.integrability_weight * (residual.T @ residual)
-    return (frame.T @ (membrane + shading + curl) @ frame).tocsr()
+    curvature = curvature + sp.kron(sp.diags(outside), np.outer(problem.direction, problem.direction))
+    if isinstance(problem, UnitFieldProblem):
+        residual = _curl(problem.grid, field)
+        curvature = curvature + 2.0 * problem.integrability_weight * (residual.T @ residual)
+    return (frame.T @ curvature @ frame).tocsr()
 
 
 def _curl(grid: MaskedGrid, field: Array) -> sp.csr_matrix:

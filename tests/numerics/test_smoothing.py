@@ -1,0 +1,146 @@
+import numpy as np
+import pytest
+
+from benchmarks import other_solvers
+from tests.analytic import LIGHT, blob_mask
+from toonkit.estimation.energy import PrintedEnergy, ShadingTerm
+from toonkit.numerics import bands, unit_field_cycle
+from toonkit.numerics.gauss_seidel import over_relaxed_sweeps
+from toonkit.numerics.masked_grid import MaskedGrid
+from toonkit.numerics.smoothing import SmoothingProblem
+from toonkit.numerics.unit_field import solve_unit_field
+from toonkit.numerics.unit_field_cycle import Level, cycle
+
+RHO, LAMBDA = 20.0, 30.0
+
+
+def problem_on(mask: np.ndarray, seed: int) -> tuple[SmoothingProblem, PrintedEnergy]:
+    random = np.random.default_rng(seed)
+    grid = MaskedGrid(mask)
+    start = random.normal(size=(grid.size, 3)) * 0.4 + [0, 0, 1.2]
+    start[:, 2] = np.abs(start[:, 2]) + 0.3
+    start /= np.linalg.norm(start, axis=1, keepdims=True)
+    lower = np.clip(start @ LIGHT + random.uniform(-0.4, 0.3, grid.size), -0.9, 0.85)
+    upper = lower + 0.1
+    energy = PrintedEnergy(grid, ShadingTerm(LIGHT, lower, upper), RHO, LAMBDA)
+    return SmoothingProblem.as_printed(grid, start, LIGHT, lower, upper, rho=RHO, smoothness=LAMBDA), energy
+
+
+def random_problem(seed: int, size: int = 20) -> tuple[SmoothingProblem, PrintedEnergy]:
+    return problem_on(blob_mask(seed, size=size), seed)
+
+
+@pytest.fixture
+def several_grids(monkeypatch):
+    """Coarser grids already for small problems."""
+    monkeypatch.setattr(unit_field_cycle, "COARSEST_SIZE", 40)
+
+
+@pytest.mark.usefixtures("several_grids")
+@pytest.mark.parametrize("seed", range(20))
+def test_the_solver_reaches_the_energy_of_newtons_method_and_never_ends_above_the_start(seed):
+    problem, energy = random_problem(seed)
+    # Lobes on necks one pixel thin turn almost free of energy: what is left to gain comes in many small steps.
+    field, report = solve_unit_field(problem, tolerance=1e-9, max_cycles=3000)
+    reference = other_solvers.newton(problem, -np.inf, 5.0, other_solvers.factorized)[2]
+    assert energy.value(field) <= energy.value(reference) * (1 + 1e-4)
+    assert (np.diff(report.energies) <= 0).all()
+    assert report.energies[0] == pytest.approx(energy.value(problem.start), rel=1e-12)
+    assert report.energies[-1] == pytest.approx(energy.value(field), rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_compiled_slope_is_that_of_the_energy_across_the_vectors(seed):
+    problem, energy = random_problem(seed)
+    field = problem.start
+    slope = np.empty_like(field)
+    value = problem.slope(problem.posed, field, slope)
+    gradient = energy.gradient(field)
+    across = gradient - np.sum(gradient * field, axis=1, keepdims=True) * field
+    assert value == pytest.approx(energy.value(field), rel=1e-12)
+    assert np.allclose(slope, across, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_relaxing_lowers_the_energy_in_either_order(seed):
+    problem, energy = random_problem(seed)
+    field = problem.start.copy()
+    energies = [energy.value(field)]
+    for sweep in range(300):
+        problem.relax(problem.posed, field, backward=bool(sweep % 2))
+        energies.append(energy.value(field))
+    assert (np.diff(energies) <= 1e-12 * energies[0]).all()
+    assert energies[-1] < 0.1 * energies[0]
+
+
+@pytest.mark.parametrize("size", [64, 128])
+def test_blocks_have_the_energy_of_the_smooth_field_that_they_show(size):
+    # Level at the square's edges, where there is no flow.
+    def waves(grid: MaskedGrid, width: int) -> np.ndarray:
+        across, down = (np.pi * (place + 0.5) / width for place in (grid.columns, grid.rows))
+        field = np.stack([0.3 * np.cos(2 * across), 0.2 * np.cos(down), np.ones(grid.size)], axis=1)
+        return field / np.linalg.norm(field, axis=1, keepdims=True)
+
+    grid = MaskedGrid(np.ones((size, size), np.bool_))
+    free = np.ones(grid.size)
+    fine = SmoothingProblem.as_printed(
+        grid, waves(grid, size), LIGHT, -free, free, rho=RHO, smoothness=LAMBDA
+    )
+    coarse = fine.coarsened()
+    energies = [
+        problem.slope(problem.posed, field, np.empty_like(field))
+        for problem, field in ((fine, fine.start), (coarse, waves(coarse.grid, size // 2)))
+    ]
+    assert energies[1] == pytest.approx(energies[0], rel=0.02)  # both of second order in the pixel's side
+
+
+@pytest.mark.usefixtures("several_grids")
+@pytest.mark.parametrize("seed", range(4))
+def test_coarse_grids_stand_still_where_the_fine_one_does(seed):
+    problem, _ = problem_on(np.ones((20, 20), np.bool_), seed)
+    solved, _ = solve_unit_field(problem, tolerance=1e-14, max_cycles=2000)
+    again = solved.copy()
+    level = Level.finest(problem)
+    cycle(level, problem.posed, again)
+    assert level.coarser is not None
+    assert level.coarser.coarser is not None
+    first, _ = solve_unit_field(problem, max_cycles=1)
+    assert np.abs(again - solved).max() < 1e-3 * np.abs(first - solved).max() + 1e-5
+
+
+def test_a_few_cycles_end_below_thousands_of_the_papers_sweeps():
+    # A hemisphere that is to show the bands of a flatter cap.
+    down, across = (np.mgrid[:96, :96] - 47.5) / 46
+    mask = across**2 + down**2 < 1
+    height = np.sqrt(1 - across[mask] ** 2 - down[mask] ** 2)
+    start = np.stack([across[mask], -down[mask], height], axis=1)
+    flatter = start + np.array([0, 0, 0.5])
+    lower = np.floor(4 * flatter @ LIGHT / np.linalg.norm(flatter, axis=1)) / 4
+    problem = SmoothingProblem.as_printed(
+        MaskedGrid(mask), start, LIGHT, lower, lower + 0.25, rho=RHO, smoothness=LAMBDA
+    )
+    energy = PrintedEnergy(problem.grid, ShadingTerm(LIGHT, lower, lower + 0.25), RHO, LAMBDA)
+    _, report = solve_unit_field(problem, tolerance=0.0, max_cycles=15)
+    swept, _ = over_relaxed_sweeps(
+        problem.grid, problem.start, LIGHT, problem.lower, problem.upper, rho=RHO, smoothness=LAMBDA,
+        relaxation=1.5, max_sweeps=3000, tolerance=0.0, energy=energy.value,
+    )  # fmt: skip
+    assert report.energies[-1] <= energy.value(swept)
+
+
+def test_the_answer_does_not_depend_on_the_number_of_cores(monkeypatch):
+    problem, _ = random_problem(3, size=190)
+    assert len(problem.grid.bands.spans) > 2
+    answers = []
+    for cores in (1, 2, 5):
+        monkeypatch.setattr(bands, "cores", lambda cores=cores: cores)
+        answers.append(solve_unit_field(problem, max_cycles=2)[0])
+    assert np.array_equal(answers[0], answers[1])
+    assert np.array_equal(answers[0], answers[2])
+
+
+def test_the_result_is_a_field_of_unit_vectors_that_face_the_viewer():
+    problem, _ = random_problem(3)
+    field, _ = solve_unit_field(problem)
+    assert np.allclose(np.linalg.norm(field, axis=1), 1, atol=1e-12)
+    assert (field[:, 2] >= 0).all()
