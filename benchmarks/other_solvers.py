@@ -177,7 +177,7 @@ def _tangents(field: Array) -> sp.csr_matrix:
 
 
 def _bilinear(problem: UnitVectorProblem) -> tuple[sp.csr_matrix, Array]:
-    """Return what holds the vectors together, as a matrix (P, P) for each component, and the field that it leaves at rest."""
+    """Return what holds the vectors together, as a matrix (P, P) for each component, and the field left at rest."""
     if isinstance(problem, SmoothingProblem):
         turns = laplacian(problem.grid, problem.links, np.zeros(problem.grid.size))
         squared = turns.T @ sp.diags(1.0 / problem.areas) @ turns
