@@ -30,8 +30,8 @@ class SmoothingProblem(UnitVectorProblem):
     """
     One problem on one grid.
 
-    With the paper's weights the solver reaches its minimum on pictures of up to 1024 x 1024 pixels; on larger ones its cycles
-    stand still far above it.
+    With the paper's weights the solver reaches its minimum on pictures of up to 1024 x 1024 pixels; on larger ones its
+    cycles stand still far above it.
 
     Attributes
     ----------
