@@ -123,6 +123,8 @@ def test_shapes_meshes_views_and_color_maps_are_told_apart():
     maps = list(load_color_maps().values())
     assert len({color_map_digest(color_map) for color_map in maps}) == len(maps)
     assert color_map_digest(ColorMap(maps[0].colors, (-0.5, 0.5))) != color_map_digest(maps[0])
+    rounded_otherwise = np.nextafter(maps[0].colors, 0.5)
+    assert color_map_digest(ColorMap(rounded_otherwise, maps[0].domain)) == color_map_digest(maps[0])
 
 
 def test_the_methods_of_toonkit_are_told_apart():

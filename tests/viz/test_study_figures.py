@@ -40,11 +40,11 @@ from toonkit.viz.figures.style import INK, METHOD_COLORS
 
 SWEEPS = pd.DataFrame(
     {
-        "sweeps": [0, 20, 50, 100, 200, 500, 1000, 2000, 5000],
-        "angular_error": [24.0, 21.5, 20.0, 19.0, 18.5, 18.0, 17.6, 17.2, 17.0],
-        "relight_rmse": [0.15, 0.13, 0.12, 0.118, 0.115, 0.11, 0.105, 0.102, 0.1],
-        "input_rmse": [0.1, 0.07, 0.05, 0.04, 0.035, 0.03, 0.025, 0.022, 0.02],
-        "energy": [1.0, 0.7, 0.5, 0.4, 0.35, 0.3, 0.27, 0.26, 0.25],
+        "sweeps": [0, 20, 50, 100, 200, 500, 1000, 2000, 5000, np.inf],
+        "angular_error": [24.0, 21.5, 20.0, 19.0, 18.5, 18.0, 17.6, 17.2, 17.0, 16.9],
+        "relight_rmse": [0.15, 0.13, 0.12, 0.118, 0.115, 0.11, 0.105, 0.102, 0.1, 0.099],
+        "input_rmse": [0.1, 0.07, 0.05, 0.04, 0.035, 0.03, 0.025, 0.022, 0.02, 0.019],
+        "energy": [1.0, 0.7, 0.5, 0.4, 0.35, 0.3, 0.27, 0.26, 0.25, 0.24],
     }
 )
 
@@ -304,6 +304,15 @@ def test_tables_show_methods_in_their_colors_and_the_best_in_bold(trials):
     shown = means_table(trials).to_html()
     assert METHOD_COLORS["todo"] in shown
     assert "font-weight: 700" in shown
+
+
+def test_the_minimum_is_a_level_below_the_sweeps_and_a_row_after_them(drawn):
+    for axes, least in zip(drawn["sweeps"].axes, SWEEPS.iloc[-1, 1:], strict=True):
+        sweeps, level = axes.lines[0], axes.lines[-1]
+        assert len(sweeps.get_xdata()) == len(SWEEPS) - 1
+        assert set(level.get_ydata()) == {least}
+        assert axes.get_ylim()[0] <= least
+    assert "at the minimum" in sweeps_table(SWEEPS).to_html()
 
 
 def test_tables_show_few_decimals(trials):

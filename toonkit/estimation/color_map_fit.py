@@ -116,7 +116,7 @@ def rank_matched(tones: PaintedTones, illumination: FloatArray) -> ColorMap:
 def allowed_interval(tones: PaintedTones, color_map: ColorMap) -> IlluminationInterval:
     """Range of illumination (P,) that each of a drawing's pixels allows; see `illumination_interval`."""
     lower, upper = np.empty((2, len(tones.tone)))
-    run_in_pieces(_allow, len(lower), tones, color_map, max(HALF_STEP, tones.noise), lower, upper)
+    run_in_pieces(_allow, len(lower), tones, color_map, _tolerance(tones), lower, upper)
     return IlluminationInterval(lower, upper)
 
 
@@ -127,12 +127,17 @@ def painted_interval(
     mixed = np.flatnonzero(tones.mixed)
     if mixed.size == 0:
         return allowed
-    tolerance = max(HALF_STEP, tones.noise)
+    tolerance = _tolerance(tones)
     plain = tones.plain[mixed]
     narrow = color_map.allowed(plain - tolerance, plain + tolerance)
     lower, upper = allowed.lower.copy(), allowed.upper.copy()
     lower[mixed], upper[mixed] = narrow.lower, narrow.upper
     return IlluminationInterval(lower, upper)
+
+
+def _tolerance(tones: PaintedTones) -> float:
+    """How far a color's tone may lie from what was meant."""
+    return max(HALF_STEP, tones.noise)
 
 
 def _allow(

@@ -22,9 +22,6 @@ COARSEST_SIZE = 1000
 COARSEST_SWEEPS = 5
 """Sweeps there, each way."""
 
-SMALL = 16 * COARSEST_SIZE
-"""Pixels below which a coarser grid's correction is as long as suits this one; on finer grids it fits as it is."""
-
 LONGEST_CORRECTION = 2.0
 """How far a coarser grid's correction is followed at most, in units of itself."""
 
@@ -117,7 +114,8 @@ def correct(level: Level, terms: Terms, field: FloatArray, gradient: FloatArray,
     cycle(coarse, its_terms, change)
     change -= start
     step = level.problem.grid.coarsening.interpolated(change, level.room("step"))
-    length = 1.0 if len(field) >= SMALL else _fitting_length(level, terms, field, step, gradient, energy)
+    fits = len(field) >= level.problem.fitting_from
+    length = 1.0 if fits else _fitting_length(level, terms, field, step, gradient, energy)
     level.retracted(field, step, length, field)
     level.problem.relax(terms, field, backward=True)
 

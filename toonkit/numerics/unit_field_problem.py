@@ -11,7 +11,7 @@ where P is the squared distance of L · n to an interval and r the integrability
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 from toonkit._validation import FloatArray
 from toonkit.numerics.masked_grid import Links
@@ -33,6 +33,8 @@ class UnitFieldProblem(UnitVectorProblem):
     change_weight, integrability_weight : float
         l² and m².
     """
+
+    fitting_from: ClassVar[float] = 16_000
 
     links: Links
     ties: FloatArray

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -55,7 +56,11 @@ class UnitVectorProblem(ABC):
         Interval of L · n.
     weight : ndarray, shape (P,)
         Weight of the squared distance of L · n to its interval.
+    fitting_from : float
+        Pixels of a grid from which on a coarser grid's correction fits as it is; on smaller grids its length is looked for.
     """
+
+    fitting_from: ClassVar[float]
 
     grid: MaskedGrid
     start: FloatArray

@@ -101,8 +101,9 @@ def subject_digest(subject: Subject) -> str:
 
 
 def color_map_digest(color_map: ColorMap) -> str:
-    """Return a digest of a color map's samples and domain."""
-    return hashlib.sha256(color_map.colors.tobytes() + repr(color_map.domain).encode()).hexdigest()
+    """Return a digest of a color map's samples and domain; their last bits are another processor's own."""
+    numbers = np.round(np.append(color_map.colors, color_map.domain), 9)
+    return hashlib.sha256(numbers.tobytes()).hexdigest()
 
 
 def method_digest(method: object) -> str:

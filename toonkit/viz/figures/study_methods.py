@@ -203,7 +203,8 @@ def sweeps_figure(sweeps: pd.DataFrame, *, method: str = "todo") -> Figure:
     Parameters
     ----------
     sweeps : DataFrame
-        Columns `sweeps`, `angular_error`, `relight_rmse`, `input_rmse` and `energy`; rows of equal sweeps are averaged.
+        Columns `sweeps`, `angular_error`, `relight_rmse`, `input_rmse` and `energy`; rows of equal sweeps are averaged,
+        and those of infinitely many are drawn as a level: what the minimum of Eq. 5 is worth.
     method : str, optional
         Whose sweeps they are.
 
@@ -214,6 +215,8 @@ def sweeps_figure(sweeps: pd.DataFrame, *, method: str = "todo") -> Figure:
     """
     shown = ("angular_error", "relight_rmse", "input_rmse", "energy")
     means = sweeps.groupby("sweeps")[list(shown)].mean()
+    least = means[np.isinf(means.index)]
+    means = means.drop(least.index)
     color = method_colors([method])[method]
     ticks = [tick for tick in SWEEP_TICKS if means.index.min() <= tick <= means.index.max()]
     with figure_style():
@@ -221,6 +224,8 @@ def sweeps_figure(sweeps: pd.DataFrame, *, method: str = "todo") -> Figure:
         for axes, column in zip(figure.subplots(1, len(shown)), shown, strict=True):
             axes.plot(means.index, means[column], color=color, linewidth=1.0)
             dot(axes, means.index, means[column], color)
+            for level in least[column]:
+                axes.axhline(level, color=color, linewidth=1.0, linestyle=":")
             # No sweep at all has a place too: left of this many, the axis is linear.
             axes.set_xscale("symlog", linthresh=FEW_SWEEPS, linscale=0.6)
             axes.set_xticks(ticks, [f"{tick:,}" for tick in ticks], minor=False)

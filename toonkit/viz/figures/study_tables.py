@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -67,9 +68,11 @@ def refinements_table(trials: pd.DataFrame) -> Any:
 
 
 def sweeps_table(sweeps: pd.DataFrame) -> Any:
-    """Return what more sweeps would have bought, with few decimals."""
+    """Return what more sweeps would have bought, with few decimals; infinitely many are the minimum of Eq. 5."""
     shown = {
-        heading(name) if name in MEASURES else spoken(name): [_number(name, value) for value in sweeps[name]]
+        heading(name) if name in MEASURES else spoken(name): [
+            "at the minimum" if value == math.inf else _number(name, value) for value in sweeps[name]
+        ]
         for name in sweeps.columns
     }
     return _styled(pd.DataFrame(shown)).hide(axis="index")
