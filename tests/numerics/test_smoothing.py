@@ -108,6 +108,7 @@ def test_coarse_grids_stand_still_where_the_fine_one_does(seed):
     assert np.abs(again - solved).max() < 1e-3 * np.abs(first - solved).max() + 1e-5
 
 
+@pytest.mark.usefixtures("several_grids")
 def test_a_few_cycles_end_below_thousands_of_the_papers_sweeps():
     # A hemisphere that is to show the bands of a flatter cap.
     down, across = (np.mgrid[:96, :96] - 47.5) / 46

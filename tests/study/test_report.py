@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -13,7 +14,7 @@ from toonkit.study.measures import MEASURES
 from toonkit.study.reporting.report import REPORT_NAME, report_tables, write_report
 from toonkit.study.reporting.statistics import breakdown, method_means
 from toonkit.study.reporting.tables import best_methods, extremes, refinements, shown_means, shown_refinements
-from toonkit.study.reporting.text import report_text
+from toonkit.study.reporting.text import report_text, sweeps_text
 
 PROVENANCE = {
     "code": "f00d",
@@ -158,6 +159,17 @@ def test_time_is_no_contest_and_says_how_it_was_taken(trials, text):
     assert "time to analyze" not in text
     assert best_methods(method_means(trials, ("seconds", "input_rmse"))).keys() == {"input, RMSE (sRGB)"}
     assert "wall time, all cores busy" in shown_refinements(refinements(trials)).columns
+
+
+@pytest.mark.parametrize(
+    ("least", "said"),
+    [(11.0, "nearer to the truth"), (13.0, "stopping early does it good"), (18.0, "owes its accuracy")],
+)
+def test_the_minimum_is_weighed_against_the_sweeps(least, said):
+    table = pd.DataFrame({"sweeps": [0, 500, 5000, np.inf], "angular_error": [15.0, 12.0, 12.5, least]})
+    assert "12.0° after 500 sweeps" in sweeps_text(table)
+    assert f"{least:.1f}° at the minimum" in sweeps_text(table)
+    assert said in sweeps_text(table)
 
 
 def test_no_failure_is_said_plainly(text):

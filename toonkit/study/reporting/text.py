@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -124,6 +125,21 @@ def findings_text(found: Sequence[Finding]) -> str:
 def disagreements_text(found: Sequence[Finding]) -> str:
     """Write as a list in Markdown where the numbers are against the paper or do not bear it out."""
     return "\n".join(f"- {text}" for text in disagreements(found)) or "Nowhere: every check holds."
+
+
+def sweeps_text(sweeps: pd.DataFrame) -> str:
+    """Write what the sweeps of the paper's method and the minimum of Eq. 5 are worth: a table of `benchmarks.sweeps` in words."""
+    errors = sweeps.groupby("sweeps")["angular_error"].mean()
+    start, least = errors.loc[0], errors.loc[math.inf]
+    granted = errors.drop([0, math.inf])
+    text = (
+        f"The normals are {start:.1f}° off before the first sweep, {granted.min():.1f}° after {granted.idxmin():,.0f} sweeps, "
+        f"where they are best, and {least:.1f}° at the minimum of Eq. 5."
+    )
+    if least <= granted.min():
+        return f"{text} The nearer to its minimum, the nearer to the truth."
+    worth = "it owes its accuracy to being stopped early" if least > start else "stopping early does it good"
+    return f"{text} What the paper's method minimizes is not what it is measured by: {worth}."
 
 
 def _opening(trials: pd.DataFrame) -> str:
