@@ -128,13 +128,13 @@ def disagreements_text(found: Sequence[Finding]) -> str:
 
 
 def sweeps_text(sweeps: pd.DataFrame) -> str:
-    """Write what the sweeps of the paper's method and the minimum of Eq. 5 are worth: a table of `benchmarks.sweeps` in words."""
+    """Write what `benchmarks.sweeps` found the paper's sweeps, and the minimum of its Eq. 5, to be worth."""
     errors = sweeps.groupby("sweeps")["angular_error"].mean()
     start, least = errors.loc[0], errors.loc[math.inf]
     granted = errors.drop([0, math.inf])
     text = (
-        f"The normals are {start:.1f}° off before the first sweep, {granted.min():.1f}° after {granted.idxmin():,.0f} sweeps, "
-        f"where they are best, and {least:.1f}° at the minimum of Eq. 5."
+        f"The normals are {start:.1f}° off before the first sweep, {granted.min():.1f}° after {granted.idxmin():,.0f} "
+        f"sweeps, where they are best, and {least:.1f}° at the minimum of Eq. 5."
     )
     if least <= granted.min():
         return f"{text} The nearer to its minimum, the nearer to the truth."

@@ -220,18 +220,30 @@ def sweeps_figure(sweeps: pd.DataFrame, *, method: str = "todo") -> Figure:
     color = method_colors([method])[method]
     ticks = [tick for tick in SWEEP_TICKS if means.index.min() <= tick <= means.index.max()]
     with figure_style():
-        figure = new_figure(1.9, gap=0.03)
+        figure = new_figure(1.9, gap=0.05)
         for axes, column in zip(figure.subplots(1, len(shown)), shown, strict=True):
             axes.plot(means.index, means[column], color=color, linewidth=1.0)
             dot(axes, means.index, means[column], color)
-            for level in least[column]:
-                axes.axhline(level, color=color, linewidth=1.0, linestyle=":")
             # No sweep at all has a place too: left of this many, the axis is linear.
             axes.set_xscale("symlog", linthresh=FEW_SWEEPS, linscale=0.6)
             axes.set_xticks(ticks, [f"{tick:,}" for tick in ticks], minor=False)
             axes.set_xticks([], minor=True)
             axes.ticklabel_format(axis="y", scilimits=(-3, 4), useMathText=True)
-            axes.set_ylim(0, 1.08 * float(means[column].max()))
+            axes.set_xlim(means.index.min(), means.index.max())
+            axes.set_ylim(0, 1.08 * float(max(means[column].max(), *least[column])))
+            for level in least[column]:
+                axes.axhline(level, color=color, linewidth=1.0, linestyle=":")
+                if column == shown[0]:
+                    axes.annotate(
+                        "at the minimum of Eq. 5",
+                        (means.index.max(), level),
+                        xytext=(-4, -3),
+                        textcoords="offset points",
+                        ha="right",
+                        va="top",
+                        fontsize="small",
+                        color=color,
+                    )
             axes.set_xlabel("sweeps")
             axes.set_title(axis_label(column) if column in MEASURES else "energy of Eq. 5")
             guide(axes, "y")
