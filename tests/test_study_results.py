@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pandas as pd
@@ -13,6 +14,7 @@ from toonkit.study.color_maps import load_color_maps
 from toonkit.study.contestants import contestants
 from toonkit.study.digests import CODE, light_track_digests, method_digest
 from toonkit.study.reporting.cells import on_track
+from toonkit.study.reporting.text import sweeps_text
 from toonkit.study.shapes import SHAPES
 from toonkit.study.subjects import render
 from toonkit.study.table import load_provenance, load_trials, settings_of
@@ -89,3 +91,8 @@ def test_the_table_of_sweeps_is_the_one_its_benchmark_makes():
     assert list(table.columns) == list(sweeps.COLUMNS)
     assert table["sweeps"].tolist() == list(sweeps.SWEEPS)
     assert table["energy"].is_monotonic_decreasing
+
+
+def test_readme_says_what_the_minimum_of_the_papers_energy_is_worth():
+    (said,) = re.findall(r"<!-- minimum: begin -->\n(.*?)\n<!-- minimum: end -->", README, re.DOTALL)
+    assert said == sweeps_text(pd.read_csv(STUDY / "sweeps.csv"))
