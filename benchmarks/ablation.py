@@ -20,12 +20,11 @@ import pandas as pd
 from benchmarks.shape_rows import Row, measured_rows, write_rows
 from toonkit import METHODS, ToonAnalysis
 from toonkit.estimation.color_map_fit import allowed_interval, painted_interval
-from toonkit.estimation.energy import ShadingTerm
-from toonkit.estimation.reading import reading
-from toonkit.estimation.refinement import Refinement, RefinementOptions, refine_traced
+from toonkit.estimation.energy import RefinementOptions
+from toonkit.estimation.refinement import Refinement, refine_islands
 from toonkit.estimation.shape_prior import correct_shape
 from toonkit.methods import Method
-from toonkit.methods.steps import inflated
+from toonkit.methods.steps import inflate_drawing
 from toonkit.methods.toonkit import OPTIONS
 from toonkit.model.color_map import ColorMap
 from toonkit.numerics.report import NOT_REFINED
@@ -72,19 +71,18 @@ def varied(
     color_map: ColorMap | None = None,
 ) -> ToonAnalysis:
     """Analyze as `toonkit` does, but for what is asked for; a given color map is the one refined by and relit with."""
-    steps = inflated(image, light, progress)
-    corrected = correct_shape(image, steps.light, steps.initial_normals)
+    steps = inflate_drawing(image, light, progress)
+    corrected = correct_shape(steps.drawing, steps.light, steps.initial_normals)
     if not refined:
-        return steps.finished("varied", Refinement(corrected, NOT_REFINED))
+        return steps.finish("varied", Refinement(corrected, NOT_REFINED))
     if color_map is None:
-        return steps.finished("varied", steps.refined(corrected, None, options))
-    read = reading(image)
-    allowed = allowed_interval(read.tones, color_map)
-    refinement = refine_traced(
-        read.silhouette, corrected, ShadingTerm(steps.light, allowed.lower, allowed.upper), grid=read.grid,
-        painted=painted_interval(read.tones, color_map, allowed), options=options,
+        return steps.finish("varied", steps.refine(corrected, None, options))
+    allowed = allowed_interval(steps.drawing.tones, color_map)
+    refinement = refine_islands(
+        steps.drawing.islands, corrected, steps.light, allowed,
+        painted=painted_interval(steps.drawing.tones, color_map, allowed), options=options,
     )  # fmt: skip
-    return replace(steps.finished("varied", refinement), color_map=color_map)
+    return replace(steps.finish("varied", refinement), color_map=color_map)
 
 
 def measured(

@@ -20,9 +20,10 @@ from scipy.sparse.linalg import spsolve
 from benchmarks.ablation import run
 from toonkit import NormalField, ToonAnalysis, ToonImage, inflate
 from toonkit._validation import BoolArray, FloatArray, as_light
+from toonkit.estimation.preparation import prepare
 from toonkit.estimation.refinement import Refinement
 from toonkit.methods import Method
-from toonkit.methods.steps import Inflated, StepProgress
+from toonkit.methods.steps import StepProgress, Steps
 from toonkit.numerics.report import NOT_REFINED
 from toonkit.study.trials import Painting
 
@@ -122,10 +123,10 @@ def started(
     refined: bool,
 ) -> ToonAnalysis:
     """Analyze a picture as `lumo` does, or as `classical`, from an inflation."""
-    steps = Inflated(image, as_light("light", light), inflation(image), progress)
+    steps = Steps(prepare(image), as_light("light", light), inflation(image), progress)
     if not refined:
-        return steps.finished("inflated", Refinement(steps.initial_normals, NOT_REFINED))
-    return steps.finished("refined", steps.refined(steps.initial_normals, None))
+        return steps.finish("inflated", Refinement(steps.initial_normals, NOT_REFINED))
+    return steps.finish("refined", steps.refine(steps.initial_normals, None))
 
 
 def variants(painting: Painting) -> dict[str, Method]:

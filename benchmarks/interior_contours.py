@@ -28,11 +28,12 @@ from benchmarks.drawn_contours import BETTER_BY, FITS, Contours, cut_both_ways, 
 from toonkit import NormalField, ToonAnalysis, ToonImage, illumination
 from toonkit._validation import FloatArray, as_light
 from toonkit.estimation.inflation import RESIDUAL_TOLERANCE, inflate, silhouette_system
-from toonkit.estimation.reading import reading
+from toonkit.estimation.islands import join
+from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.estimation.shape_prior import correct_shape
 from toonkit.estimation.tone_ranks import ToneRanks
 from toonkit.methods import Method
-from toonkit.methods.steps import Inflated, StepProgress
+from toonkit.methods.steps import StepProgress, Steps
 from toonkit.methods.toonkit import OPTIONS
 from toonkit.numerics.masked_grid import OUTSIDE, MaskedGrid
 from toonkit.numerics.membrane import Membrane, solve_membrane
@@ -85,7 +86,7 @@ def found_contours(image: ToonImage, light: FloatArray) -> Contours:
     """Return the contours that the colors show, where only one side can be the nearer one."""
     grid = MaskedGrid(image.mask)
     initial_normals = inflate(image.mask, alpha=image.alpha)
-    ranks = ToneRanks.of(reading(image).tones.plain)
+    ranks = ToneRanks.of(prepare(image).tones.plain)
     ordered = np.sort(illumination(initial_normals, light)[grid.mask])
     lower, upper = ordered[ranks.below], ordered[ranks.upto - 1]  # as rank matching allows, mixtures apart
     normals = initial_normals.compact
@@ -123,7 +124,7 @@ def found_contours(image: ToonImage, light: FloatArray) -> Contours:
 
 def lines_found(image: ToonImage, light: FloatArray) -> Contours | None:
     """Return the contours that the lines of a drawing show, where its colors tell which side is the nearer one."""
-    read = reading(image)
+    read = prepare(image)
     if read.line_art is None:
         return None
     lit = read.initial_normals.compact @ light
@@ -133,16 +134,20 @@ def lines_found(image: ToonImage, light: FloatArray) -> Contours | None:
 def inflated_within(image: ToonImage, contours: Contours | None) -> NormalField:
     """Inflate a silhouette as `toonkit.inflate` does, with contours inside it."""
     if contours is None:
-        return reading(image).initial_normals
-    grid = reading(image).grid
-    membrane, pull = silhouette_system(grid, reading(image).silhouette)
-    links = membrane.links * np.where(contours.cut, LEFT, 1.0).astype(np.float32)
-    membrane = Membrane(grid, links, membrane.ties + STIFFNESS * contours.outward.any(axis=1))
-    pull = pull + STIFFNESS * (contours.outward[:, 0] + 1j * contours.outward[:, 1])
-    sideways, _ = solve_membrane(membrane, pull, tolerance=RESIDUAL_TOLERANCE)
-    flat = sideways / np.maximum(np.abs(sideways), 1.0)
-    forward = np.sqrt(np.maximum(1.0 - flat.real**2 - flat.imag**2, 0.0))
-    return NormalField.of_pixels(np.stack([flat.real, flat.imag, forward], axis=1), image.mask)
+        return prepare(image).initial_normals
+    islands = prepare(image).islands
+    fields = []
+    for island in islands:
+        cut, outward = contours.cut[island.pixels], contours.outward[island.pixels]
+        membrane, pull = silhouette_system(island.grid, island.silhouette)
+        links = membrane.links * np.where(cut, LEFT, 1.0).astype(np.float32)
+        membrane = Membrane(island.grid, links, membrane.ties + STIFFNESS * outward.any(axis=1))
+        pull = pull + STIFFNESS * (outward[:, 0] + 1j * outward[:, 1])
+        sideways, _ = solve_membrane(membrane, pull, tolerance=RESIDUAL_TOLERANCE)
+        flat = sideways / np.maximum(np.abs(sideways), 1.0)
+        forward = np.sqrt(np.maximum(1.0 - flat.real**2 - flat.imag**2, 0.0))
+        fields.append(np.stack([flat.real, flat.imag, forward], axis=1))
+    return NormalField.of_pixels(join(islands, fields), image.mask)
 
 
 def in_ink(image: ToonImage, truth: RenderedShape) -> ToonImage:
@@ -171,7 +176,7 @@ def _rise(grid: MaskedGrid, values: FloatArray) -> FloatArray:
 Finder = Callable[[ToonImage, FloatArray], Contours | None]
 """From a picture and its light to contours."""
 
-Drawing = Callable[[ToonImage], ToonImage]
+Drawing = Callable[[ToonImage], ToonImage | PreparedDrawing]
 """From a picture to another drawing of it."""
 
 
@@ -186,11 +191,11 @@ def started(
 ) -> ToonAnalysis:
     """Analyze a picture, or another drawing of it, as `toonkit` does or as `classical`, from an inflation with contours."""
     direction = as_light("light", light)
-    seen = image if drawing is None else drawing(image)
+    seen = prepare(image if drawing is None else drawing(image))
     initial = inflated_within(seen, None if finder is None else finder(seen, direction))
-    steps = Inflated(seen, direction, initial, progress)
+    steps = Steps(seen, direction, initial, progress)
     normals = correct_shape(seen, direction, initial) if learned else initial
-    analysis = steps.finished("started", steps.refined(normals, None, OPTIONS if learned else None))
+    analysis = steps.finish("started", steps.refine(normals, None, OPTIONS if learned else None))
     return replace(analysis, image=image)  # what is relit is the picture without lines
 
 
@@ -203,9 +208,9 @@ def variants(painting: Painting) -> dict[str, Method]:
     def inked(image: ToonImage) -> ToonImage:
         return in_ink(image, painting.truth)
 
-    def overlooked(image: ToonImage) -> ToonImage:
-        drawing = inked(image)
-        reading(drawing).line_art = None
+    def overlooked(image: ToonImage) -> PreparedDrawing:
+        drawing = prepare(inked(image))
+        drawing.line_art = None
         return drawing
 
     kinds: dict[str, tuple[Finder | None, Drawing | None]] = {

@@ -15,13 +15,13 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
-from toonkit.numerics.gauss_seidel import over_relaxed_sweeps
+from toonkit.numerics.change_energy import ChangeEnergy
+from toonkit.numerics.change_kernels import relax
+from toonkit.numerics.gauss_seidel import OverRelaxation
 from toonkit.numerics.masked_grid import OUTSIDE, RIGHT, UP, MaskedGrid
 from toonkit.numerics.membrane import Membrane
-from toonkit.numerics.smoothing import SmoothingProblem
-from toonkit.numerics.unit_field_kernels import relax
-from toonkit.numerics.unit_field_problem import UnitFieldProblem
-from toonkit.numerics.unit_vectors import UnitVectorProblem, moved
+from toonkit.numerics.smoothness_energy import SmoothnessEnergy
+from toonkit.numerics.unit_vectors import UnitVectorEnergy, moved
 
 RELAXATION = 1.5
 """The paper's over-relaxation."""
@@ -85,18 +85,20 @@ def membrane_swept(
     return time.perf_counter() - begin
 
 
-def energy(problem: UnitVectorProblem, field: Array, gradient: Array | None = None) -> float:
+def energy(problem: UnitVectorEnergy, field: Array, gradient: Array | None = None) -> float:
     """Energy of a field, by the same compiled loop for everyone."""
-    return problem.slope(problem.posed, field, np.empty_like(field) if gradient is None else gradient)
+    return problem.value_and_gradient(
+        problem.posed, field, np.empty_like(field) if gradient is None else gradient
+    )
 
 
-def swept(problem: UnitVectorProblem, goal: float, limit: float) -> tuple[float, float]:
+def swept(problem: UnitVectorEnergy, goal: float, limit: float) -> tuple[float, float]:
     """
     Sweep over-relaxed from the start until the energy is down to `goal`; return seconds, at `limit` at most, and energy.
 
     Eq. 5 by the sweeps of the paper's method as it stands in toonkit, the refinement by its own steps.
     """
-    sweeps = _paper_sweeps if isinstance(problem, SmoothingProblem) else _field_sweeps
+    sweeps = _paper_sweeps if isinstance(problem, SmoothnessEnergy) else _field_sweeps
     sweeps(problem, problem.start.copy(), 1)  # compiled
     field = problem.start.copy()
     spent, reached = 0.0, np.inf
@@ -108,15 +110,12 @@ def swept(problem: UnitVectorProblem, goal: float, limit: float) -> tuple[float,
     return spent, reached
 
 
-def _paper_sweeps(problem: SmoothingProblem, field: Array, sweeps: int) -> Array:
-    # It is to make them all, and to look at no energy between: one that stands still is not taken for the end.
-    return over_relaxed_sweeps(
-        problem.grid, field, problem.direction, problem.lower, problem.upper, rho=float(problem.weight[0]),
-        smoothness=problem.smoothness, relaxation=RELAXATION, max_sweeps=sweeps, tolerance=-1.0, energy=lambda _: 1.0,
-    )[0]  # fmt: skip
+def _paper_sweeps(problem: SmoothnessEnergy, field: Array, sweeps: int) -> Array:
+    OverRelaxation(problem, RELAXATION).sweep(field, sweeps)
+    return field
 
 
-def _field_sweeps(problem: UnitFieldProblem, field: Array, sweeps: int) -> Array:
+def _field_sweeps(problem: ChangeEnergy, field: Array, sweeps: int) -> Array:
     nothing = np.zeros(0)
     _over_relaxed(
         problem.grid.neighbors, problem.start, problem.direction, nothing, nothing, problem.lower, problem.upper,
@@ -127,7 +126,7 @@ def _field_sweeps(problem: UnitFieldProblem, field: Array, sweeps: int) -> Array
 
 
 def newton(
-    problem: UnitVectorProblem, goal: float, limit: float, solve: LinearSolver
+    problem: UnitVectorEnergy, goal: float, limit: float, solve: LinearSolver
 ) -> tuple[float, float, Array]:
     """
     Solve by Newton's method on the tangent planes, each step with an assembled matrix, until the energy meets `goal`.
@@ -176,9 +175,9 @@ def _tangents(field: Array) -> sp.csr_matrix:
     )
 
 
-def _bilinear(problem: UnitVectorProblem) -> tuple[sp.csr_matrix, Array]:
+def _bilinear(problem: UnitVectorEnergy) -> tuple[sp.csr_matrix, Array]:
     """Return what holds the vectors together, as a matrix (P, P) for each component, and the field left at rest."""
-    if isinstance(problem, SmoothingProblem):
+    if isinstance(problem, SmoothnessEnergy):
         turns = laplacian(problem.grid, problem.links, np.zeros(problem.grid.size))
         squared = turns.T @ sp.diags(1.0 / problem.areas) @ turns
         return (problem.smoothness * squared).tocsr(), np.zeros_like(problem.start)
@@ -186,7 +185,7 @@ def _bilinear(problem: UnitVectorProblem) -> tuple[sp.csr_matrix, Array]:
 
 
 def _curvature(
-    problem: UnitVectorProblem, field: Array, smoothness: sp.csr_matrix, rest: Array, frame: sp.csr_matrix
+    problem: UnitVectorEnergy, field: Array, smoothness: sp.csr_matrix, rest: Array, frame: sp.csr_matrix
 ) -> sp.csr_matrix:
     """Second derivatives of the energy's convex part on the tangent planes, shape (2 P, 2 P)."""
     pull = 2.0 * (smoothness @ (field - rest))
@@ -195,7 +194,7 @@ def _curvature(
     lit = field @ problem.direction
     outside = ((lit < problem.lower) | (lit > problem.upper)) * 2.0 * problem.weight
     curvature = curvature + sp.kron(sp.diags(outside), np.outer(problem.direction, problem.direction))
-    if isinstance(problem, UnitFieldProblem):
+    if isinstance(problem, ChangeEnergy):
         residual = _curl(problem.grid, field)
         curvature = curvature + 2.0 * problem.integrability_weight * (residual.T @ residual)
     return (frame.T @ curvature @ frame).tocsr()

@@ -30,18 +30,16 @@ from tqdm import tqdm
 
 import toonkit
 from benchmarks import other_solvers
-from toonkit.estimation.energy import ShadingTerm
+from toonkit.estimation.energy import change_energy, printed_energy
 from toonkit.estimation.inflation import RESIDUAL_TOLERANCE, silhouette_system
-from toonkit.estimation.reading import reading
-from toonkit.estimation.refinement import stated
 from toonkit.estimation.shape_prior import correct_shape
-from toonkit.methods.steps import inflated
+from toonkit.methods.steps import inflate_drawing
 from toonkit.methods.todo import LAMBDA, RHO
 from toonkit.methods.toonkit import OPTIONS
 from toonkit.numerics.membrane import Membrane, solve_membrane
-from toonkit.numerics.smoothing import SmoothingProblem
-from toonkit.numerics.unit_field import UnitFieldProblem, solve_unit_field
-from toonkit.numerics.unit_vectors import UnitVectorProblem
+from toonkit.numerics.smoothness_energy import SmoothnessEnergy
+from toonkit.numerics.unit_field import ChangeEnergy, solve_unit_field
+from toonkit.numerics.unit_vectors import UnitVectorEnergy
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.rendering import render_shape
 from toonkit.study.shapes import SHAPES
@@ -152,24 +150,24 @@ class Problems:
 
     membrane: Membrane
     right_side: np.ndarray
-    field: UnitFieldProblem
-    printed: SmoothingProblem
+    field: ChangeEnergy
+    printed: SmoothnessEnergy
 
 
 def problems(shape: str, size: int) -> Problems:
     image = drawing(shape, size)
-    read = reading(image)
-    membrane, right_side = silhouette_system(read.grid, read.silhouette)
-    corrected = correct_shape(image, LIGHT, read.initial_normals)
-    steps = inflated(image, LIGHT, None)
-    allowed, printed = steps.fitted_interval(corrected), steps.fitted_interval()
-    shading = ShadingTerm(LIGHT, allowed.lower[image.mask], allowed.upper[image.mask])
-    smoothing = SmoothingProblem.as_printed(
-        read.grid, read.initial_normals.compact, LIGHT, printed.lower[image.mask], printed.upper[image.mask],
-        rho=RHO, smoothness=LAMBDA,
-    )  # fmt: skip
-    field = stated(read.silhouette, corrected, shading, read.grid, OPTIONS)
-    return Problems(membrane, right_side, field, smoothing)
+    steps = inflate_drawing(image, LIGHT, None)
+    (island,) = steps.drawing.islands
+    membrane, right_side = silhouette_system(island.grid, island.silhouette)
+    initial = steps.initial_normals
+    corrected = correct_shape(steps.drawing, LIGHT, initial)
+    (allowed, _), (printed, _) = (steps.fit_intervals(normals) for normals in (corrected, initial))
+    return Problems(
+        membrane,
+        right_side,
+        change_energy(island.grid, island.silhouette, corrected.compact, LIGHT, allowed, OPTIONS),
+        printed_energy(island.grid, initial.compact, LIGHT, printed, rho=RHO, smoothness=LAMBDA),
+    )
 
 
 def compared(shape: str, size: int, repeats: int, slow: set[tuple[str, str]]) -> list[Row]:
@@ -195,7 +193,7 @@ def compared(shape: str, size: int, repeats: int, slow: set[tuple[str, str]]) ->
         ),
     }
     rows = [_solver_row(shape, size, "inflation", "toonkit", median_seconds(ours, repeats))]
-    vectors: list[tuple[str, UnitVectorProblem, float, int]] = [
+    vectors: list[tuple[str, UnitVectorEnergy, float, int]] = [
         ("refinement", posed.field, OPTIONS.tolerance, repeats),
         (PRINTED, posed.printed, PRINTED_TOLERANCE, 1 if size >= FEW else repeats),
     ]
@@ -215,14 +213,14 @@ def compared(shape: str, size: int, repeats: int, slow: set[tuple[str, str]]) ->
     return rows
 
 
-def solved(problem: UnitVectorProblem, tolerance: float, repeats: int) -> tuple[float, float]:
+def solved(problem: UnitVectorEnergy, tolerance: float, repeats: int) -> tuple[float, float]:
     """Return the energy that toonkit's solver reaches, and the median of the seconds that it takes after a first run."""
     energy = float(solve_unit_field(problem, tolerance=tolerance)[1].energies[-1])
     seconds = [timed(lambda: solve_unit_field(problem, tolerance=tolerance)) for _ in range(repeats)]
     return energy, float(np.median(seconds))
 
 
-def _vector_solvers(problem: UnitVectorProblem, goal: float) -> dict[str, Callable[[], float]]:
+def _vector_solvers(problem: UnitVectorEnergy, goal: float) -> dict[str, Callable[[], float]]:
     """Return the other ways to an energy, timed; one that ends above it counts as one whose time was up."""
 
     def newton(solve: other_solvers.LinearSolver) -> float:

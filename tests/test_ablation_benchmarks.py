@@ -15,7 +15,7 @@ from benchmarks import ablation, inflations, interior_contours, lights
 from benchmarks.shape_rows import measured_rows
 from tests.analytic import SOFT, TWO_TONE, painted
 from toonkit.estimation.light_fit import LightEstimate
-from toonkit.estimation.reading import reading
+from toonkit.estimation.preparation import prepare
 from toonkit.estimation.refinement import RefinementOptions
 from toonkit.estimation.shape_prior import correct_shape
 from toonkit.numerics.masked_grid import MaskedGrid
@@ -296,9 +296,9 @@ def test_a_line_across_a_ball_is_taken_for_a_contour_which_is_why_no_method_does
 def test_the_drawing_in_ink_is_the_picture_but_for_its_lines():
     image, shape = balls(35, -35)
     drawing = interior_contours.in_ink(image, shape)
-    ink = reading(drawing).line_art
+    ink = prepare(drawing).line_art
     assert ink is not None
-    grid = reading(drawing).grid
+    grid = prepare(drawing).grid
     changed = np.abs(drawing.color - image.color).max(axis=-1)[image.mask] > 0
     assert set(ink.pixels) >= set(np.flatnonzero(changed & (image.color[image.mask].mean(axis=1) > 0.4)))
     near = interior_contours.true_contours(shape).outward.any(axis=1)

@@ -16,9 +16,10 @@ from toonkit._validation import ToonkitError
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.color_map_extraction import extract_color_map
 from toonkit.estimation.color_map_fit import fit_color_map, illumination_interval
+from toonkit.estimation.energy import RefinementOptions
 from toonkit.estimation.inflation import inflate
 from toonkit.estimation.light_fit import LightEstimate, estimate_light
-from toonkit.estimation.refinement import RefinementOptions, refine
+from toonkit.estimation.refinement import refine
 from toonkit.heightfield import HeightField, height_map, height_mesh
 from toonkit.methods import METHODS, analyze
 from toonkit.metrics import angular_error, color_difference, color_rmse, illumination_error, relight_response

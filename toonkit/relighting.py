@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike
 
 from toonkit._validation import BoolArray, FloatArray, as_light, of_type
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.reading import reading
 from toonkit.model.image import ToonImage
 from toonkit.numerics.bands import run_in_bands
 
@@ -68,12 +67,12 @@ def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool =
         return color
 
     color = relit(image.mask, vectors, image.color)
-    read = reading(image)
-    if read.line_art is not None:
-        inked = read.inked_places
+    ink = analysis.drawing.line_art
+    if ink is not None:
+        inked = analysis.drawing.inked_places
         everywhere = np.ones((len(inked[0]), 1), np.bool_)
-        beneath = relit(everywhere, vectors[inked][:, None], read.line_art.beneath[:, None])
-        color[inked] = read.line_art.over(beneath[:, 0])
+        beneath = relit(everywhere, vectors[inked][:, None], ink.beneath[:, None])
+        color[inked] = ink.over(beneath[:, 0])
     fringe = color[image.fringe_sources]
     if keep_detail:
         fringe = np.clip(fringe + image.fringe_colors - image.color[image.fringe_sources], 0.0, 1.0)

@@ -3,7 +3,7 @@ import pytest
 
 from tests.analytic import LIGHT, SOFT, TWO_TONE, ellipse, painted
 from toonkit import ColorMap, ToonImage, ToonkitError, fit_color_map, illumination, illumination_interval
-from toonkit.estimation.reading import reading
+from toonkit.estimation.preparation import prepare
 
 FIVE_TONE = ColorMap(
     np.repeat(
@@ -88,7 +88,7 @@ def test_pixels_that_share_an_illumination_share_the_mean_of_their_colors():
 
 def mixed_pixels(image):
     mixed = np.zeros(image.mask.shape, bool)
-    mixed[image.mask] = reading(image).tones.mixed
+    mixed[image.mask] = prepare(image).tones.mixed
     return mixed
 
 
@@ -132,7 +132,7 @@ def test_the_noise_level_is_that_of_the_tones(sigma):
     noise = sigma * np.random.default_rng(0).normal(size=(*disc.mask.shape, 1))
     noisy = ToonImage(np.clip(image.color + noise, 0, 1), disc.mask)
     # Clipping at white takes a little away from it.
-    assert reading(noisy).tones.noise == pytest.approx(sigma, rel=0.25, abs=1e-4)
+    assert prepare(noisy).tones.noise == pytest.approx(sigma, rel=0.25, abs=1e-4)
 
 
 @pytest.mark.parametrize(

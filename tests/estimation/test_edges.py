@@ -9,8 +9,8 @@ from tests.analytic import LIGHT, ellipse
 from toonkit import METHODS, NormalField, RefinementOptions, ToonImage, ToonkitError, refine
 from toonkit.estimation.color_map_fit import allowed_interval, painted_interval
 from toonkit.estimation.edges import edge_links
-from toonkit.estimation.reading import reading
-from toonkit.estimation.refinement import refine_traced
+from toonkit.estimation.preparation import prepare
+from toonkit.estimation.refinement import refine_islands
 from toonkit.methods import steps
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.numerics.masked_grid import OUTSIDE, RIGHT, MaskedGrid
@@ -105,7 +105,7 @@ def striped(columns: list[float], rows: int = 6) -> ToonImage:
 
 def links_of(image: ToonImage, color_map: ColorMap = THREE_TONES) -> tuple[MaskedGrid, np.ndarray]:
     """Links of a flat surface that is painted so."""
-    read = reading(image)
+    read = prepare(image)
     painted = painted_interval(read.tones, color_map, allowed_interval(read.tones, color_map))
     facing = np.tile([0.0, 0.0, 1.0], (read.grid.size, 1))
     return read.grid, edge_links(read.grid, facing, painted, turn=10.0, jump=0.02)
@@ -140,19 +140,19 @@ def test_an_analysis_tells_edges_by_colors_without_their_mixtures(monkeypatch):
     seen = []
 
     def watched(*arguments, painted, **others):
-        seen.append((arguments[2], painted))
-        return refine_traced(*arguments, painted=painted, **others)
+        seen.append((arguments[3], painted))
+        return refine_islands(*arguments, painted=painted, **others)
 
-    monkeypatch.setattr(steps, "refine_traced", watched)
+    monkeypatch.setattr(steps, "refine_islands", watched)
     METHODS["classical"](image, LIGHT)
-    ((shading, painted),) = seen
-    mixed = reading(image).tones.mixed
+    ((allowed, painted),) = seen
+    mixed = prepare(image).tones.mixed
     assert mixed.sum() == 12
     assert (
-        painted.lower[mixed] > shading.lower[mixed] + 0.1
+        painted.lower[mixed] > allowed.lower[mixed] + 0.1
     ).all()  # it spans both bands, and belongs to the brighter one
-    assert np.array_equal(painted.lower[~mixed], shading.lower[~mixed])
-    assert np.array_equal(painted.upper, shading.upper)
+    assert np.array_equal(painted.lower[~mixed], allowed.lower[~mixed])
+    assert np.array_equal(painted.upper, allowed.upper)
 
 
 def test_the_sides_of_a_drawn_line_are_neighbors_of_each_other():
@@ -163,12 +163,13 @@ def test_the_sides_of_a_drawn_line_are_neighbors_of_each_other():
     paint = np.where(x < 0, 0.3, 0.9)
     ink = (away > 40) | (np.abs(x) < 1.5)
     image = ToonImage(np.where(ink, 0.0, paint)[..., None].repeat(3, 2), away < 43)
-    assert reading(image).line_art is not None
+    assert prepare(image).line_art is not None
     grid, links = links_of(image, banded(0.3, 0.5, 0.9))
-    middle = grid.rows == size // 2
+    rows, columns = prepare(image).box
+    middle = grid.rows + rows.start == size // 2
     loose = grid.columns[middle & (links[:, RIGHT] < 0.01) & (grid.neighbors[:, RIGHT] != OUTSIDE)]
     assert len(loose) == 1  # one link of those beneath the line
-    assert abs(loose[0] - (size - 1) / 2) < 2
+    assert abs(loose[0] + columns.start - (size - 1) / 2) < 2
 
 
 def test_what_one_side_of_a_contour_is_asked_does_not_move_the_other():

@@ -1,30 +1,37 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.analytic import LIGHT, blob_mask, ellipse
 from toonkit.estimation.edges import edge_links
-from toonkit.estimation.energy import (
-    ChangeEnergy,
-    PrintedEnergy,
-    ShadingTerm,
-    integrability_residual,
-)
 from toonkit.model.color_map import IlluminationInterval
+from toonkit.numerics.change_energy import ChangeEnergy
+from toonkit.numerics.integrability import integrability_residual
 from toonkit.numerics.masked_grid import MaskedGrid
-from toonkit.numerics.membrane import Membrane, uniform_links
+from toonkit.numerics.membrane import uniform_links
+from toonkit.numerics.smoothness_energy import SmoothnessEnergy
 
 
-def random_terms(seed: int):
+def random_fields(seed: int):
     random = np.random.default_rng(seed)
     grid = MaskedGrid(blob_mask(seed))
     normals = random.normal(size=(grid.size, 3))
     lower = random.uniform(-1, 0.5, grid.size)
-    shading = ShadingTerm(LIGHT, lower, lower + 0.3)
     initial = random.normal(size=(grid.size, 3))
-    return grid, normals, shading, initial, random
+    return grid, normals, (lower, lower + 0.3), initial, random
 
 
-def assert_slope_matches(energy, normals, random):
+def change_energy(grid, initial, interval, *, change=0.0, integrability=0.0, links=None, ties=None):
+    return ChangeEnergy(
+        grid, initial, LIGHT, *interval, np.ones(grid.size),
+        links=uniform_links(grid) if links is None else links,
+        ties=np.ones(grid.size) if ties is None else ties,
+        change_weight=change**2, integrability_weight=integrability**2,
+    )  # fmt: skip
+
+
+def assert_gradient_matches(energy, normals, random):
     direction = random.normal(size=normals.shape)
     step = 1e-6
     slope = (energy.value(normals + step * direction) - energy.value(normals - step * direction)) / (2 * step)
@@ -33,37 +40,44 @@ def assert_slope_matches(energy, normals, random):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_gradient_of_the_shading_term(seed):
-    _, normals, shading, _, random = random_terms(seed)
-    assert_slope_matches(shading, normals, random)
+def test_gradient_of_the_penalty(seed):
+    grid, normals, interval, initial, random = random_fields(seed)
+    assert_gradient_matches(change_energy(grid, initial, interval), normals, random)
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_gradient_of_the_printed_energy(seed):
-    grid, normals, shading, _, random = random_terms(seed)
-    assert_slope_matches(PrintedEnergy(grid, shading, 20.0, 30.0), normals, random)
+def test_gradient_of_the_smoothness_energy(seed):
+    grid, normals, interval, initial, random = random_fields(seed)
+    energy = SmoothnessEnergy.on_pixels(grid, initial, LIGHT, *interval, weight=20.0, smoothness=30.0)
+    assert_gradient_matches(energy, normals, random)
+    assert_gradient_matches(energy.coarsened(), normals[: energy.coarsened().grid.size], random)
 
 
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("lengths", [(2.0, 0.0), (0.0, 3.0), (1.5, 2.5)])
 def test_gradient_of_the_change_energy(seed, lengths):
-    grid, normals, shading, initial, random = random_terms(seed)
-    painted = IlluminationInterval(shading.lower, shading.upper)
-    links = edge_links(grid, initial, painted, turn=5.0, jump=0.3)
-    membrane = Membrane(grid, links, random.uniform(0, 1, grid.size))
-    energy = ChangeEnergy(grid, shading, initial, membrane, *lengths)
-    assert_slope_matches(energy, normals, random)
+    grid, normals, interval, initial, random = random_fields(seed)
+    links = edge_links(grid, initial, IlluminationInterval(*interval), turn=5.0, jump=0.3)
+    energy = change_energy(
+        grid, initial, interval, change=lengths[0], integrability=lengths[1],
+        links=links, ties=random.uniform(0, 1, grid.size),
+    )  # fmt: skip
+    assert_gradient_matches(energy, normals, random)
 
 
 def test_inside_the_interval_nothing_is_paid_and_outside_the_squared_distance():
-    shading = ShadingTerm(np.array([0.0, 0, 1]), np.array([0.2, 0.2, 0.2]), np.array([0.5, 0.5, 0.5]))
+    grid = MaskedGrid(np.ones((1, 3), bool))
+    toward_viewer = replace(
+        change_energy(grid, np.zeros((3, 3)), (np.full(3, 0.2), np.full(3, 0.5))),
+        direction=np.array([0.0, 0, 1]),
+    )
     normals = np.array([[0, 0, 0.3], [0, 0, 0.1], [0, 0, 0.9]])
-    assert shading.value(normals) == pytest.approx(0.1**2 + 0.4**2)
+    assert toward_viewer.penalty(normals) == pytest.approx(0.1**2 + 0.4**2)
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_laplacian_is_its_own_adjoint(seed):
-    grid, a, _, b, _ = random_terms(seed)
+    grid, a, _, b, _ = random_fields(seed)
     assert np.sum(grid.laplacian(a) * b) == pytest.approx(np.sum(a * grid.laplacian(b)), rel=1e-10)
 
 
@@ -71,9 +85,8 @@ def test_the_initial_normals_are_the_minimum_where_every_interval_is_wide():
     disc = ellipse(20, 20)
     grid = MaskedGrid(disc.mask)
     normals = disc.normals.vectors[disc.mask]
-    wide = ShadingTerm(LIGHT, np.full(grid.size, -1.0), np.ones(grid.size))
-    membrane = Membrane(grid, uniform_links(grid), np.ones(grid.size))
-    assert ChangeEnergy(grid, wide, normals, membrane, 3.0, 0.0).value(normals) == 0.0
+    wide = (np.full(grid.size, -1.0), np.ones(grid.size))
+    assert change_energy(grid, normals, wide, change=3.0).value(normals) == 0.0
 
 
 def test_the_normals_of_a_surface_are_integrable_to_second_order():

@@ -4,7 +4,7 @@ import pytest
 from tests.analytic import SOFT, ellipse, painted
 from toonkit import ToonImage, ToonkitError, estimate_light, inflate, light_angles, light_direction
 from toonkit.estimation import light_fit
-from toonkit.estimation.light_fit import LOWEST_ELEVATION, RING, SPREADS, TRIED, candidates, tried
+from toonkit.estimation.light_fit import LOWEST_ELEVATION, RING, SPREADS, TRIED, candidates, sharpen
 from toonkit.estimation.light_prior import LightBelief
 
 
@@ -72,7 +72,7 @@ def test_a_belief_moves_to_the_lights_that_leave_less_unexplained(monkeypatch):
         return 1e-3 + np.arccos(np.clip(lights @ truth, -1, 1)) ** 2
 
     monkeypatch.setattr(light_fit, "misfit", distance)
-    after = tried(belief, None, None)
+    after = sharpen(belief, None, None)
     assert np.linalg.norm(after.light) == pytest.approx(1)
     assert np.arccos(after.light @ truth) < 0.5 * apart
     assert after.concentration > belief.concentration
@@ -83,7 +83,7 @@ def test_a_belief_moves_to_the_lights_that_leave_less_unexplained(monkeypatch):
 def test_lights_that_all_fit_alike_change_no_belief(concentration, elevation, monkeypatch):
     belief = LightBelief(light_direction(40, elevation), concentration)
     monkeypatch.setattr(light_fit, "misfit", lambda image, lights, normals: np.full(len(lights), 0.1))
-    after = tried(belief, None, None)
+    after = sharpen(belief, None, None)
     assert after.light == pytest.approx(belief.light)
     assert after.concentration == pytest.approx(belief.concentration)
 
@@ -97,5 +97,5 @@ def test_trying_lights_brings_the_estimate_nearer_on_the_whole():
         image = painted(shape.normals, SOFT, light=light, alpha=shape.coverage)
         belief = LightBelief(light_direction(azimuth + 9, 37), 1 / np.deg2rad(8) ** 2)
         believed.append(np.rad2deg(np.arccos(belief.light @ light)))
-        after.append(np.rad2deg(np.arccos(tried(belief, image, normals).light @ light)))
+        after.append(np.rad2deg(np.arccos(sharpen(belief, image, normals).light @ light)))
     assert np.mean(after) < 0.8 * np.mean(believed)

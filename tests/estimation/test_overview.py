@@ -8,19 +8,23 @@ from benchmarks import resolutions
 from tests.analytic import TWO_TONE, ellipse, painted
 from toonkit import ToonImage
 from toonkit.estimation.overview import LONGEST, Overview
-from toonkit.estimation.reading import reading
+from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.estimation.working_square import WorkingSquare
 
 
 def overview(size: int) -> tuple[Overview, float]:
     shape = ellipse(size, 0.6 * size)
-    read = reading(painted(shape.normals, TWO_TONE))
-    return Overview.of(read, read.initial_normals.vectors[shape.mask]), shape.mask.sum()
+    read = prepare(painted(shape.normals, TWO_TONE))
+    return overview_of(read), shape.mask.sum()
 
 
 def seen_in(image: ToonImage) -> Overview:
-    read = reading(image)
-    return Overview.of(read, read.initial_normals.compact)
+    return overview_of(prepare(image))
+
+
+def overview_of(drawing: PreparedDrawing) -> Overview:
+    (paint,) = drawing.reduced_paint
+    return Overview.of(paint, drawing.initial_normals.compact)
 
 
 def drawn_on_blocks(size: int) -> ToonImage:
@@ -49,7 +53,7 @@ def test_a_large_one_is_reduced_by_halves(radius, factor):
 
 def test_it_has_the_drawings_own_tones_and_no_mixtures():
     reduced, _ = overview(330)
-    bands = np.unique(reading(painted(ellipse(330, 198).normals, TWO_TONE)).tones.plain.round(9))
+    bands = np.unique(prepare(painted(ellipse(330, 198).normals, TWO_TONE)).tones.plain.round(9))
     inner = np.abs(reduced.tones[:, None] - bands).min(axis=1) < 1e-6
     assert inner.mean() > 0.99  # at the rim, a block whose middle is outside has the mean of the rest
 
@@ -101,10 +105,11 @@ def test_a_large_drawing_is_seen_as_the_same_one_reduced_beforehand(factor):
 
 def test_a_drawing_is_reduced_once_and_its_normals_whenever_they_are_given():
     image = drawn_on_blocks(400)
-    first, second = seen_in(image), seen_in(image)
+    drawing = prepare(image)
+    first, second = overview_of(drawing), overview_of(drawing)
     assert second.tones is first.tones
-    read = reading(image)
-    flat = Overview.of(read, np.tile([0.0, 0.6, 0.8], (read.grid.size, 1)))
+    (paint,) = drawing.reduced_paint
+    flat = Overview.of(paint, np.tile([0.0, 0.6, 0.8], (drawing.grid.size, 1)))
     assert flat.tones is first.tones
     assert np.allclose(flat.initial, [0.0, 0.6, 0.8])
     assert np.ptp(second.initial[:, 2]) > 0.5
@@ -114,8 +119,8 @@ def test_what_is_narrow_when_reduced_is_a_mixture_at_any_size():
     # A transition 8 pixels wide is as wide as a block: a drawing of that size could not tell it from a mixture.
     tones = np.clip((np.arange(1400) - 694) / 8, 0, 1) * 0.6 + 0.2
     color = np.broadcast_to(tones[None, :, None], (1000, 1400, 3))
-    read = reading(ToonImage(color, np.ones((1000, 1400), bool)))
-    reduced = Overview.of(read, read.initial_normals.compact)
+    read = prepare(ToonImage(color, np.ones((1000, 1400), bool)))
+    reduced = overview_of(read)
     assert reduced.factor == 8
     assert (np.abs(reduced.tones[:, None] - [0.2, 0.8]).min(axis=1) < 1e-6).all()
     assert (np.abs(read.tones.plain[:, None] - [0.2, 0.8]).min(axis=1) > 0.01).any()

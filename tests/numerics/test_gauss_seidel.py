@@ -2,18 +2,13 @@ import numpy as np
 import pytest
 
 from tests.analytic import LIGHT
-from tests.numerics.test_unit_field import random_problem
-from toonkit.estimation.energy import PrintedEnergy, ShadingTerm
+from tests.numerics.test_smoothing import random_problem as smoothing_problem
 from toonkit.numerics.gauss_seidel import over_relaxed_sweeps
 
 
 def run(seed: int, *, relaxation: float = 1.0, max_sweeps: int = 400, tolerance: float = 1e-9):
-    problem, _ = random_problem(seed)
-    energy = PrintedEnergy(problem.grid, ShadingTerm(LIGHT, problem.lower, problem.upper), 20.0, 30.0)
-    return over_relaxed_sweeps(
-        problem.grid, problem.start, LIGHT, problem.lower, problem.upper, rho=20.0, smoothness=30.0,
-        relaxation=relaxation, max_sweeps=max_sweeps, tolerance=tolerance, energy=energy.value,
-    )  # fmt: skip
+    energy = smoothing_problem(seed)
+    return over_relaxed_sweeps(energy, relaxation=relaxation, max_sweeps=max_sweeps, tolerance=tolerance)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -37,9 +32,9 @@ def test_vectors_stay_unit_and_face_the_viewer():
     assert (field[:, 2] >= 0).all()
 
 
-def plain_sweeps(problem, sweeps: int, relaxation: float):
+def plain_sweeps(energy, sweeps: int, relaxation: float):
     """One pixel after the other, one sweep after the other, the Laplacian from scratch each time."""
-    grid, field = problem.grid, problem.start.copy()
+    grid, field = energy.grid, energy.start.copy()
     rho, smoothness = 20.0, 30.0
     for _ in range(sweeps):
         for p in range(grid.size):
@@ -49,7 +44,7 @@ def plain_sweeps(problem, sweeps: int, relaxation: float):
             slope = laplacian[inside].sum(axis=0) - len(inside) * laplacian[p]
             best = field[p] - (smoothness * slope / curvature if curvature else 0.0)
             along = best @ LIGHT
-            target = np.clip(along, problem.lower[p], problem.upper[p])
+            target = np.clip(along, energy.lower[p], energy.upper[p])
             best = best + rho * (target - along) / (curvature + rho) * LIGHT
             best = field[p] + relaxation * (best - field[p])
             best[2] = max(best[2], 0.0)
@@ -59,7 +54,7 @@ def plain_sweeps(problem, sweeps: int, relaxation: float):
 
 @pytest.mark.parametrize("sweeps", [1, 2, 5])
 def test_staggered_sweeps_are_sweeps_one_after_the_other(sweeps):
-    problem, _ = random_problem(3)
+    energy = smoothing_problem(3)
     field, report = run(3, relaxation=1.5, max_sweeps=sweeps, tolerance=0.0)
     assert report.iterations == sweeps
-    assert np.allclose(field, plain_sweeps(problem, sweeps, 1.5), atol=1e-12)
+    assert np.allclose(field, plain_sweeps(energy, sweeps, 1.5), atol=1e-12)

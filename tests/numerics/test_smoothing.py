@@ -3,18 +3,17 @@ import pytest
 
 from benchmarks import other_solvers
 from tests.analytic import LIGHT, blob_mask
-from toonkit.estimation.energy import PrintedEnergy, ShadingTerm
 from toonkit.numerics import bands, unit_field_cycle
 from toonkit.numerics.gauss_seidel import over_relaxed_sweeps
 from toonkit.numerics.masked_grid import MaskedGrid
-from toonkit.numerics.smoothing import SmoothingProblem
+from toonkit.numerics.smoothness_energy import SmoothnessEnergy
 from toonkit.numerics.unit_field import solve_unit_field
 from toonkit.numerics.unit_field_cycle import Level, cycle
 
 RHO, LAMBDA = 20.0, 30.0
 
 
-def problem_on(mask: np.ndarray, seed: int) -> tuple[SmoothingProblem, PrintedEnergy]:
+def problem_on(mask: np.ndarray, seed: int) -> SmoothnessEnergy:
     random = np.random.default_rng(seed)
     grid = MaskedGrid(mask)
     start = random.normal(size=(grid.size, 3)) * 0.4 + [0, 0, 1.2]
@@ -22,11 +21,10 @@ def problem_on(mask: np.ndarray, seed: int) -> tuple[SmoothingProblem, PrintedEn
     start /= np.linalg.norm(start, axis=1, keepdims=True)
     lower = np.clip(start @ LIGHT + random.uniform(-0.4, 0.3, grid.size), -0.9, 0.85)
     upper = lower + 0.1
-    energy = PrintedEnergy(grid, ShadingTerm(LIGHT, lower, upper), RHO, LAMBDA)
-    return SmoothingProblem.as_printed(grid, start, LIGHT, lower, upper, rho=RHO, smoothness=LAMBDA), energy
+    return SmoothnessEnergy.on_pixels(grid, start, LIGHT, lower, upper, weight=RHO, smoothness=LAMBDA)
 
 
-def random_problem(seed: int, size: int = 20) -> tuple[SmoothingProblem, PrintedEnergy]:
+def random_problem(seed: int, size: int = 20) -> SmoothnessEnergy:
     return problem_on(blob_mask(seed, size=size), seed)
 
 
@@ -39,22 +37,22 @@ def several_grids(monkeypatch):
 @pytest.mark.usefixtures("several_grids")
 @pytest.mark.parametrize("seed", range(20))
 def test_the_solver_reaches_the_energy_of_newtons_method_and_never_ends_above_the_start(seed):
-    problem, energy = random_problem(seed)
+    energy = random_problem(seed)
     # Lobes on necks one pixel thin turn almost free of energy: what is left to gain comes in many small steps.
-    field, report = solve_unit_field(problem, tolerance=1e-9, max_cycles=3000)
-    reference = other_solvers.newton(problem, -np.inf, 5.0, other_solvers.factorized)[2]
+    field, report = solve_unit_field(energy, tolerance=1e-9, max_cycles=3000)
+    reference = other_solvers.newton(energy, -np.inf, 5.0, other_solvers.factorized)[2]
     assert energy.value(field) <= energy.value(reference) * (1 + 1e-4)
     assert (np.diff(report.energies) <= 0).all()
-    assert report.energies[0] == pytest.approx(energy.value(problem.start), rel=1e-12)
+    assert report.energies[0] == pytest.approx(energy.value(energy.start), rel=1e-12)
     assert report.energies[-1] == pytest.approx(energy.value(field), rel=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_the_compiled_slope_is_that_of_the_energy_across_the_vectors(seed):
-    problem, energy = random_problem(seed)
-    field = problem.start
+    energy = random_problem(seed)
+    field = energy.start
     slope = np.empty_like(field)
-    value = problem.slope(problem.posed, field, slope)
+    value = energy.value_and_gradient(energy.posed, field, slope)
     gradient = energy.gradient(field)
     across = gradient - np.sum(gradient * field, axis=1, keepdims=True) * field
     assert value == pytest.approx(energy.value(field), rel=1e-12)
@@ -63,11 +61,11 @@ def test_the_compiled_slope_is_that_of_the_energy_across_the_vectors(seed):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_relaxing_lowers_the_energy_in_either_order(seed):
-    problem, energy = random_problem(seed)
-    field = problem.start.copy()
+    energy = random_problem(seed)
+    field = energy.start.copy()
     energies = [energy.value(field)]
     for sweep in range(300):
-        problem.relax(problem.posed, field, backward=bool(sweep % 2))
+        energy.relax(energy.posed, field, backward=bool(sweep % 2))
         energies.append(energy.value(field))
     assert (np.diff(energies) <= 1e-12 * energies[0]).all()
     assert energies[-1] < 0.1 * energies[0]
@@ -83,13 +81,13 @@ def test_blocks_have_the_energy_of_the_smooth_field_that_they_show(size):
 
     grid = MaskedGrid(np.ones((size, size), np.bool_))
     free = np.ones(grid.size)
-    fine = SmoothingProblem.as_printed(
-        grid, waves(grid, size), LIGHT, -free, free, rho=RHO, smoothness=LAMBDA
+    fine = SmoothnessEnergy.on_pixels(
+        grid, waves(grid, size), LIGHT, -free, free, weight=RHO, smoothness=LAMBDA
     )
     coarse = fine.coarsened()
     energies = [
-        problem.slope(problem.posed, field, np.empty_like(field))
-        for problem, field in ((fine, fine.start), (coarse, waves(coarse.grid, size // 2)))
+        energy.value_and_gradient(energy.posed, field, np.empty_like(field))
+        for energy, field in ((fine, fine.start), (coarse, waves(coarse.grid, size // 2)))
     ]
     assert energies[1] == pytest.approx(energies[0], rel=0.02)  # both of second order in the pixel's side
 
@@ -97,14 +95,14 @@ def test_blocks_have_the_energy_of_the_smooth_field_that_they_show(size):
 @pytest.mark.usefixtures("several_grids")
 @pytest.mark.parametrize("seed", range(4))
 def test_coarse_grids_stand_still_where_the_fine_one_does(seed):
-    problem, _ = problem_on(np.ones((20, 20), np.bool_), seed)
-    solved, _ = solve_unit_field(problem, tolerance=1e-14, max_cycles=2000)
+    energy = problem_on(np.ones((20, 20), np.bool_), seed)
+    solved, _ = solve_unit_field(energy, tolerance=1e-14, max_cycles=2000)
     again = solved.copy()
-    level = Level.finest(problem)
-    cycle(level, problem.posed, again)
+    level = Level.finest(energy)
+    cycle(level, energy.posed, again)
     assert level.coarser is not None
     assert level.coarser.coarser is not None
-    first, _ = solve_unit_field(problem, max_cycles=1)
+    first, _ = solve_unit_field(energy, max_cycles=1)
     assert np.abs(again - solved).max() < 1e-3 * np.abs(first - solved).max() + 1e-5
 
 
@@ -117,31 +115,27 @@ def test_a_few_cycles_end_below_thousands_of_the_papers_sweeps():
     start = np.stack([across[mask], -down[mask], height], axis=1)
     flatter = start + np.array([0, 0, 0.5])
     lower = np.floor(4 * flatter @ LIGHT / np.linalg.norm(flatter, axis=1)) / 4
-    problem = SmoothingProblem.as_printed(
-        MaskedGrid(mask), start, LIGHT, lower, lower + 0.25, rho=RHO, smoothness=LAMBDA
+    energy = SmoothnessEnergy.on_pixels(
+        MaskedGrid(mask), start, LIGHT, lower, lower + 0.25, weight=RHO, smoothness=LAMBDA
     )
-    energy = PrintedEnergy(problem.grid, ShadingTerm(LIGHT, lower, lower + 0.25), RHO, LAMBDA)
-    _, report = solve_unit_field(problem, tolerance=0.0, max_cycles=15)
-    swept, _ = over_relaxed_sweeps(
-        problem.grid, problem.start, LIGHT, problem.lower, problem.upper, rho=RHO, smoothness=LAMBDA,
-        relaxation=1.5, max_sweeps=3000, tolerance=0.0, energy=energy.value,
-    )  # fmt: skip
+    _, report = solve_unit_field(energy, tolerance=0.0, max_cycles=15)
+    swept, _ = over_relaxed_sweeps(energy, relaxation=1.5, max_sweeps=3000, tolerance=0.0)
     assert report.energies[-1] <= energy.value(swept)
 
 
 def test_the_answer_does_not_depend_on_the_number_of_cores(monkeypatch):
-    problem, _ = random_problem(3, size=190)
-    assert len(problem.grid.bands.spans) > 2
+    energy = random_problem(3, size=190)
+    assert len(energy.grid.bands.spans) > 2
     answers = []
     for cores in (1, 2, 5):
         monkeypatch.setattr(bands, "cores", lambda cores=cores: cores)
-        answers.append(solve_unit_field(problem, max_cycles=2)[0])
+        answers.append(solve_unit_field(energy, max_cycles=2)[0])
     assert np.array_equal(answers[0], answers[1])
     assert np.array_equal(answers[0], answers[2])
 
 
 def test_the_result_is_a_field_of_unit_vectors_that_face_the_viewer():
-    problem, _ = random_problem(3)
-    field, _ = solve_unit_field(problem)
+    energy = random_problem(3)
+    field, _ = solve_unit_field(energy)
     assert np.allclose(np.linalg.norm(field, axis=1), 1, atol=1e-12)
     assert (field[:, 2] >= 0).all()

@@ -6,16 +6,15 @@ from scipy.optimize import minimize
 
 from tests.analytic import LIGHT, blob_mask
 from toonkit.estimation.edges import edge_links
-from toonkit.estimation.energy import ChangeEnergy, ShadingTerm
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.numerics import bands, unit_field_cycle
+from toonkit.numerics.change_energy import ChangeEnergy
 from toonkit.numerics.masked_grid import MaskedGrid
-from toonkit.numerics.membrane import Membrane
-from toonkit.numerics.unit_field import UnitFieldProblem, solve_unit_field
+from toonkit.numerics.unit_field import solve_unit_field
 from toonkit.numerics.unit_field_cycle import Level, cycle
 
 
-def random_problem(seed: int, size: int = 16) -> tuple[UnitFieldProblem, ChangeEnergy]:
+def random_problem(seed: int, size: int = 16) -> ChangeEnergy:
     random = np.random.default_rng(seed)
     grid = MaskedGrid(blob_mask(seed, size=size))
     start = random.normal(size=(grid.size, 3)) * 0.4 + [0, 0, 1.2]
@@ -25,13 +24,10 @@ def random_problem(seed: int, size: int = 16) -> tuple[UnitFieldProblem, ChangeE
     upper = lower + 0.1
     ties = random.uniform(0, 1, grid.size) * grid.rim
     links = edge_links(grid, start, IlluminationInterval(lower, upper), turn=20.0, jump=0.3)
-    membrane = Membrane(grid, links, ties)
-    energy = ChangeEnergy(grid, ShadingTerm(LIGHT, lower, upper), start, membrane, 0.7, 0.9)
-    problem = UnitFieldProblem(
+    return ChangeEnergy(
         grid=grid, start=start, direction=LIGHT, lower=lower, upper=upper, weight=np.ones(grid.size),
         links=links, ties=ties, change_weight=0.7**2, integrability_weight=0.9**2,
     )  # fmt: skip
-    return problem, energy
 
 
 def reference_minimum(energy: ChangeEnergy, start: np.ndarray) -> float:
@@ -65,23 +61,23 @@ def several_grids(monkeypatch):
 @pytest.mark.usefixtures("several_grids")
 @pytest.mark.parametrize("seed", range(20))
 def test_the_solver_reaches_the_energy_of_a_general_minimizer_and_never_ends_above_the_start(seed):
-    problem, energy = random_problem(seed, size=20)
-    field, report = solve_unit_field(problem)
-    reference = reference_minimum(energy, problem.start)
+    energy = random_problem(seed, size=20)
+    field, report = solve_unit_field(energy)
+    reference = reference_minimum(energy, energy.start)
     assert report.converged
     assert energy.value(field) <= reference * (1 + 1e-4)
     assert (np.diff(report.energies) <= 0).all()
-    assert report.energies[0] == pytest.approx(energy.value(problem.start), rel=1e-12)
+    assert report.energies[0] == pytest.approx(energy.value(energy.start), rel=1e-12)
     assert report.energies[-1] == pytest.approx(energy.value(field), rel=1e-12)
 
 
 @pytest.mark.usefixtures("several_grids")
 @pytest.mark.parametrize("seed", range(4))
 def test_the_compiled_slope_is_that_of_the_energy_across_the_normals(seed):
-    problem, energy = random_problem(seed)
-    field = problem.start
+    energy = random_problem(seed)
+    field = energy.start
     slope = np.empty_like(field)
-    value = problem.slope(problem.posed, field, slope)
+    value = energy.value_and_gradient(energy.posed, field, slope)
     gradient = energy.gradient(field)
     across = gradient - np.sum(gradient * field, axis=1, keepdims=True) * field
     assert value == pytest.approx(energy.value(field), rel=1e-12)
@@ -90,37 +86,37 @@ def test_the_compiled_slope_is_that_of_the_energy_across_the_normals(seed):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_relaxing_lowers_the_energy_in_either_order(seed):
-    problem, energy = random_problem(seed)
-    field = problem.start.copy()
+    energy = random_problem(seed)
+    field = energy.start.copy()
     energies = [energy.value(field)]
     for sweep in range(400):
-        problem.relax(problem.posed, field, backward=bool(sweep % 2))
+        energy.relax(energy.posed, field, backward=bool(sweep % 2))
         energies.append(energy.value(field))
     assert (np.diff(energies) <= 1e-12 * energies[0]).all()
     # Plain Gauss-Seidel, the slow and readable way, ends where the multigrid does.
-    assert energies[-1] <= solve_unit_field(problem)[1].energies[-1] * (1 + 1e-4)
+    assert energies[-1] <= solve_unit_field(energy)[1].energies[-1] * (1 + 1e-4)
 
 
 @pytest.mark.usefixtures("several_grids")
 @pytest.mark.parametrize("seed", range(4))
 def test_coarse_grids_stand_still_where_the_fine_one_does(seed):
-    problem, _ = random_problem(seed, size=20)
-    solved, _ = solve_unit_field(problem, tolerance=1e-13)
+    energy = random_problem(seed, size=20)
+    solved, _ = solve_unit_field(energy, tolerance=1e-13)
     again = solved.copy()
-    level = Level.finest(problem)
-    cycle(level, problem.posed, again)
+    level = Level.finest(energy)
+    cycle(level, energy.posed, again)
     assert level.coarser is not None
     assert level.coarser.coarser is not None
     assert np.abs(again - solved).max() < 1e-3
-    moved, _ = solve_unit_field(problem, tolerance=1e-13, max_cycles=1)
+    moved, _ = solve_unit_field(energy, tolerance=1e-13, max_cycles=1)
     assert np.abs(moved - solved).max() > 10 * np.abs(again - solved).max()
 
 
 @pytest.mark.usefixtures("several_grids")
 @pytest.mark.parametrize("seed", range(4))
 def test_memory_that_is_kept_changes_nothing(seed, monkeypatch):
-    problem, _ = random_problem(seed, size=20)
-    kept, report = solve_unit_field(problem, max_cycles=8)
+    energy = random_problem(seed, size=20)
+    kept, report = solve_unit_field(energy, max_cycles=8)
 
     def new_room(level, _name):
         return np.full_like(level.problem.start, np.nan)
@@ -130,15 +126,15 @@ def test_memory_that_is_kept_changes_nothing(seed, monkeypatch):
 
     monkeypatch.setattr(Level, "room", new_room)
     monkeypatch.setattr(Level, "cleared", new_zeros)
-    new, its_report = solve_unit_field(problem, max_cycles=8)
+    new, its_report = solve_unit_field(energy, max_cycles=8)
     assert np.array_equal(new, kept)
     assert np.array_equal(its_report.energies, report.energies)
 
 
 def test_a_guess_near_the_answer_takes_fewer_cycles():
-    problem, _ = random_problem(5, size=60)
-    solved, cold = solve_unit_field(problem, tolerance=1e-5)
-    brighter = replace(problem, lower=problem.lower + 0.01, upper=problem.upper + 0.01)
+    energy = random_problem(5, size=60)
+    solved, cold = solve_unit_field(energy, tolerance=1e-5)
+    brighter = replace(energy, lower=energy.lower + 0.01, upper=energy.upper + 0.01)
     _, again = solve_unit_field(brighter, tolerance=1e-5)
     _, warm = solve_unit_field(brighter, tolerance=1e-5, guess=solved)
     assert warm.iterations < again.iterations
@@ -147,39 +143,39 @@ def test_a_guess_near_the_answer_takes_fewer_cycles():
 
 
 def test_the_answer_does_not_depend_on_the_number_of_cores(monkeypatch):
-    problem, _ = random_problem(3, size=190)
-    assert len(problem.grid.bands.spans) > 2
+    energy = random_problem(3, size=190)
+    assert len(energy.grid.bands.spans) > 2
     answers = []
     for cores in (1, 2, 5):
         monkeypatch.setattr(bands, "cores", lambda cores=cores: cores)
-        answers.append(solve_unit_field(problem, max_cycles=2)[0])
+        answers.append(solve_unit_field(energy, max_cycles=2)[0])
     assert np.array_equal(answers[0], answers[1])
     assert np.array_equal(answers[0], answers[2])
 
 
 def test_the_result_is_a_field_of_unit_vectors_that_face_the_viewer():
-    problem, _ = random_problem(3)
-    field, _ = solve_unit_field(problem)
+    energy = random_problem(3)
+    field, _ = solve_unit_field(energy)
     assert np.allclose(np.linalg.norm(field, axis=1), 1, atol=1e-12)
     assert (field[:, 2] >= 0).all()
 
 
 def test_without_intervals_to_meet_and_curl_to_remove_the_start_stands():
-    problem, _ = random_problem(2)
-    free = UnitFieldProblem(
-        problem.grid, problem.start, LIGHT, np.full(problem.grid.size, -1.0), np.ones(problem.grid.size),
-        problem.weight, problem.links, problem.ties, problem.change_weight, 0.0,
+    energy = random_problem(2)
+    free = ChangeEnergy(
+        energy.grid, energy.start, LIGHT, np.full(energy.grid.size, -1.0), np.ones(energy.grid.size),
+        energy.weight, energy.links, energy.ties, energy.change_weight, 0.0,
     )  # fmt: skip
     field, report = solve_unit_field(free)
     # Twelve digits: the coarser grids contribute no change at all.
-    assert np.allclose(field, problem.start, atol=1e-12)
+    assert np.allclose(field, energy.start, atol=1e-12)
     assert report.iterations == 1
 
 
 def test_progress_rises_to_one_and_can_cancel():
-    problem, _ = random_problem(1, size=40)
+    energy = random_problem(1, size=40)
     seen = []
-    solve_unit_field(problem, progress=seen.append)
+    solve_unit_field(energy, progress=seen.append)
     assert seen == sorted(seen)
     assert seen[-1] == pytest.approx(1.0)
 
@@ -187,4 +183,4 @@ def test_progress_rises_to_one_and_can_cancel():
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        solve_unit_field(problem, progress=cancel)
+        solve_unit_field(energy, progress=cancel)

@@ -63,7 +63,7 @@ def test_the_digest_of_the_code_follows_the_code_and_not_its_words(tmp_path):
         ("estimation/weights/light_prior.npz", {"light"}),
         ("estimation/convolution.py", {"shape", "light"}),
         ("estimation/edges.py", {"refinement"}),
-        ("numerics/unit_field_kernels.py", {"refinement"}),
+        ("numerics/change_kernels.py", {"refinement"}),
         ("numerics/smoothing.py", {"smoothing"}),
     ],
 )

@@ -156,26 +156,20 @@ def _joined_lights(argv: Sequence[str]) -> list[str]:
 def _analyze(arguments: argparse.Namespace) -> int:
     import toonkit  # noqa: PLC0415
     from toonkit.export.folder import make_folder, write_analysis_folder  # noqa: PLC0415
-    from toonkit.methods import compile_ahead  # noqa: PLC0415
     from toonkit.metrics import color_rmse  # noqa: PLC0415
 
     given = None if arguments.light == "auto" else parse_light(arguments.light)
-    compile_ahead(arguments.method)
     with StepBar(visible=not arguments.quiet) as progress:
         progress("reading the drawing", 0.0)
         image = toonkit.load_image(_drawing(arguments.drawing), mask=arguments.mask)
         folder = make_folder(arguments.out)  # before the long work, so that a bad name costs no time
-        light, confidence = given, None
-        if light is None:
-            progress("estimating the light", 0.0)
-            estimate = toonkit.estimate_light(image)
-            light, confidence = estimate.light, float(estimate.confidence)
-        analysis = toonkit.analyze(image, light, method=arguments.method, progress=progress)
+        analysis = toonkit.analyze(image, given, method=arguments.method, progress=progress)
+        estimate = analysis.light_estimate
         progress("writing", 1.0)
         notes: dict[str, Any] = {
             "drawing": arguments.drawing,
             "light_source": "estimated" if given is None else "given",
-            "light_confidence": confidence,
+            "light_confidence": None if estimate is None else float(estimate.confidence),
             "input_fit_rmse": float(color_rmse(analysis.picture, image)),
             "seconds": progress.seconds(),
         }
@@ -201,7 +195,7 @@ def _summarize(analysis: ToonAnalysis, drawing: str, folder: Path, notes: dict[s
     print(f"light: azimuth {round(azimuth) % 360}°, elevation {elevation:.0f}° ({source})")
     if notes["light_confidence"] is not None and notes["light_confidence"] < UNSURE:
         print("       this light is a guess; if you know where it was, say so with --light AZ,EL")
-    if (share := line_art_share(analysis.image)) > 0:
+    if (share := line_art_share(analysis)) > 0:
         print(f"line art: {100 * share:.1f} % of the drawing, which stays as drawn")
     print(f"written to {folder}:")
 

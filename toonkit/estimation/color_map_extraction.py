@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from toonkit._validation import of_type, refuse, same_shape
-from toonkit.estimation.reading import reading
+from toonkit._validation import refuse, same_shape
+from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
 from toonkit.model.luminance import linear_to_srgb, srgb_to_linear, tone
@@ -18,13 +18,13 @@ MIN_STROKE = 2
 """Object pixels under a stroke: one has no dark and no bright end."""
 
 
-def extract_color_map(image: ToonImage, stroke: ArrayLike) -> ColorMap:
+def extract_color_map(image: ToonImage | PreparedDrawing, stroke: ArrayLike) -> ColorMap:
     """
     Take a color map from a drawing: the pixels under a stroke over one material, sorted by luminance.
 
     Parameters
     ----------
-    image : ToonImage
+    image : ToonImage or PreparedDrawing
         The drawing.
     stroke : array_like of bool, shape (H, W)
         True under the stroke. What lies outside the object is ignored, and so are pixels that the object only
@@ -48,19 +48,19 @@ def extract_color_map(image: ToonImage, stroke: ArrayLike) -> ColorMap:
     >>> extract_color_map(picture, np.arange(64).reshape(4, 16) < 16).colors[-1].round(6).tolist()
     [1.0, 0.8, 0.6]
     """
-    of_type("image", image, ToonImage)
+    drawing = prepare(image)
     passes = np.asarray(stroke)
     if passes.ndim != 2 or passes.dtype != np.bool_:
         raise refuse("stroke", "must be a (H, W) bool array", f"shape {passes.shape}, {passes.dtype}")
-    same_shape("stroke", passes.shape, image.shape, "the picture")
-    touched = passes & image.mask
+    same_shape("stroke", passes.shape, drawing.shape, "the picture")
+    touched = passes & drawing.mask
     if not touched.any():
         raise refuse("stroke", "must pass over the object", f"{int(passes.sum())} pixels, none of them on it")
     if touched.sum() < MIN_STROKE:
         raise refuse("stroke", f"must pass over at least {MIN_STROKE} object pixels", int(touched.sum()))
-    filled = touched & (image.alpha >= 1)
+    filled = touched & (drawing.alpha >= 1)
     chosen = filled if filled.sum() >= MIN_STROKE else touched
-    colors = reading(image).paint[chosen[image.mask]]
+    colors = drawing.paint[chosen[drawing.mask]]
     ordered = srgb_to_linear(colors[np.argsort(tone(colors), kind="stable")])
     # Means of runs of ranks, of light: the mean of brighter colors is never darker.
     runs = np.array_split(ordered, min(len(ordered), SAMPLES))

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from toonkit._validation import FloatArray, as_array, of_type, refuse, same_shape
 from toonkit.estimation.painted_tones import PaintedTones
-from toonkit.estimation.reading import reading
+from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.model.color_map import HALF_STEP, ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.luminance import linear_to_srgb
@@ -17,13 +17,13 @@ SAMPLES = 1024
 """Samples of a fitted map: a hard step between two bands is blurred over 1/500 of illumination at most."""
 
 
-def fit_color_map(image: ToonImage, illumination: ArrayLike) -> ColorMap:
+def fit_color_map(image: ToonImage | PreparedDrawing, illumination: ArrayLike) -> ColorMap:
     """
     Estimate the color map from a picture and the illumination of a normal field.
 
     Parameters
     ----------
-    image : ToonImage
+    image : ToonImage or PreparedDrawing
         The picture.
     illumination : array_like, shape (H, W)
         L · N in [-1, 1] on the object.
@@ -51,22 +51,22 @@ def fit_color_map(image: ToonImage, illumination: ArrayLike) -> ColorMap:
     >>> fit_color_map(ToonImage(color, np.ones((20, 20), bool)), illumination)([0.2, 0.3]).round(6).tolist()
     [[0.3, 0.2, 0.4], [0.9, 0.8, 0.7]]
     """
-    of_type("image", image, ToonImage)
+    drawing = prepare(image)
     light = as_array("illumination", illumination, (None, None))
-    same_shape("illumination", light.shape, image.mask.shape, "the picture")
-    pairs = light[image.mask]
+    same_shape("illumination", light.shape, drawing.mask.shape, "the picture")
+    pairs = light[drawing.mask]
     if not (np.isfinite(pairs).all() and np.abs(pairs).max() <= 1 + 1e-9):
         raise refuse("illumination", "must lie in [-1, 1] on the object", "values outside it or NaN")
-    return rank_matched(reading(image).tones, np.clip(pairs, -1.0, 1.0))
+    return rank_matched(drawing.tones, np.clip(pairs, -1.0, 1.0))
 
 
-def illumination_interval(image: ToonImage, color_map: ColorMap) -> IlluminationInterval:
+def illumination_interval(image: ToonImage | PreparedDrawing, color_map: ColorMap) -> IlluminationInterval:
     """
     Range of illumination that each pixel's painted color allows (Eq. 4, Figure 5).
 
     Parameters
     ----------
-    image : ToonImage
+    image : ToonImage or PreparedDrawing
         The picture.
     color_map : ColorMap
         Its color map.
@@ -82,11 +82,9 @@ def illumination_interval(image: ToonImage, color_map: ColorMap) -> Illumination
     ToonkitError
         If an argument is of another type.
     """
-    of_type("image", image, ToonImage)
+    drawing = prepare(image)
     of_type("color_map", color_map, ColorMap)
-    read = reading(image)
-    allowed = allowed_interval(read.tones, color_map)
-    return IlluminationInterval(read.grid.scatter(allowed.lower), read.grid.scatter(allowed.upper))
+    return drawing.interval(allowed_interval(drawing.tones, color_map))
 
 
 def rank_matched(tones: PaintedTones, illumination: FloatArray) -> ColorMap:

@@ -1,7 +1,10 @@
-"""What the refinement minimizes (Section 3.3): values and gradients, usable without any solver.
+"""
+What the refinement minimizes (Section 3.3): the energies of the paper and of our own method, built from a drawing.
 
-Two energies stand here. `PrintedEnergy` is Eq. 5 as the paper prints it. `ChangeEnergy` is ours: it keeps the intervals of
-Eq. 6 and asks for a smooth *change* from the initial normals, and for a field that some surface could have.
+Both are energies of unit normals N whose illumination L · N should lie within the interval that its pixel's color allows
+(Eq. 6). `printed_energy` is Eq. 5 as the paper prints it. `change_energy` is ours: it asks for a smooth *change* from the
+initial normals, and for a field that some surface could have. What is built is an energy object of `toonkit.numerics`, which
+every solver minimizes and which can be evaluated and differentiated without any.
 """
 
 from __future__ import annotations
@@ -9,185 +12,206 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from toonkit._validation import FloatArray
-from toonkit.numerics.masked_grid import OUTSIDE, RIGHT, UP, MaskedGrid
-from toonkit.numerics.membrane import Membrane
+from toonkit._validation import FloatArray, is_number, refuse
+from toonkit.estimation.edges import edge_links
+from toonkit.estimation.silhouette import Silhouette
+from toonkit.model.color_map import IlluminationInterval
+from toonkit.numerics.bands import run_in_pieces
+from toonkit.numerics.change_energy import ChangeEnergy
+from toonkit.numerics.masked_grid import MaskedGrid, block_sums
+from toonkit.numerics.smoothness_energy import SmoothnessEnergy
 
-CORNERS = np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
-"""(x, y) side of each corner of a 2 x 2 cell: lower left, lower right, upper left, upper right."""
+MARGIN_SHARE = 0.25
+"""Largest share of an interval, on either side, that the margin takes."""
+
+MARGIN_PER_EXCESS = 2.0
+"""Largest margin, as a multiple of the root mean square by which the start misses its intervals."""
 
 
-@dataclass(frozen=True, eq=False)
-class ShadingTerm:
+@dataclass(frozen=True)
+class RefinementOptions:
     """
-    Penalty on illumination outside its interval (Eq. 6), summed over the object.
+    What our refinement weighs, in lengths relative to the object.
 
     Attributes
     ----------
+    margin : float
+        How far inside its interval a pixel is asked to be, in illumination; never more than a quarter of the interval, or
+        than twice what the start misses its intervals by, root mean square.
+        Without it every pixel that its interval moved would end exactly on a bound, and the smallest turn of the light
+        would flip its color: old band edges would show in the relit picture.
+    change_length : float
+        Over what length the change of the normals is smooth, in units of sqrt(object area).
+    change_reach : float
+        Over what length a change dies out where nothing asks for it, in the same units.
+    integrability_length : float
+        Over what length the field is integrable, in the same units.
+    crease_turn : float
+        How much the initial normals turn, in radians per sqrt(object area), where their change is held together half as
+        firmly: the edges of a cube stay edges.
+    color_jump : float
+        How far apart the illuminations of two neighbors' colors lie where their change is held together half as firmly:
+        colors that meet in the picture but not in the color map are no shading bands of one smooth surface.
+    rim_hold : float
+        How firmly the silhouette's normals hold, 0 (free) to 1 (as firmly as neighbors hold each other).
+    tolerance : float
+        Relative decrease of the energy in one cycle of the solver at which it stops: all others together would gain less
+        than that.
+    """
+
+    margin: float = 0.05
+    change_length: float = 0.004
+    change_reach: float = 0.2
+    integrability_length: float = 0.01
+    crease_turn: float = 10.0
+    color_jump: float = 0.02
+    rim_hold: float = 1.0
+    tolerance: float = 0.04
+
+    def __post_init__(self) -> None:
+        for name in ("margin", "change_length", "integrability_length", "rim_hold"):
+            value = getattr(self, name)
+            if not is_number(value) or value < 0:
+                raise refuse(name, "must be a number >= 0", value)
+        for name in ("crease_turn", "color_jump", "change_reach", "tolerance"):
+            value = getattr(self, name)
+            if not is_number(value) or value <= 0:
+                raise refuse(name, "must be a number > 0", value)
+
+
+def printed_energy(
+    grid: MaskedGrid,
+    initial: FloatArray,
+    light: FloatArray,
+    allowed: IlluminationInterval,
+    *,
+    rho: float,
+    smoothness: float,
+) -> SmoothnessEnergy:
+    """
+    Build Eq. 5: rho times the penalty of Eq. 6 plus lambda times the squared Laplacian of the normals.
+
+    Parameters
+    ----------
+    grid : MaskedGrid
+        The object.
+    initial : ndarray, shape (P, 3)
+        N0, where the paper starts.
     light : ndarray, shape (3,)
         Unit vector L.
-    lower, upper : ndarray, shape (P,)
-        Bounds of L · N per pixel.
-    """
-
-    light: FloatArray
-    lower: FloatArray
-    upper: FloatArray
-
-    def excess(self, normals: FloatArray) -> FloatArray:
-        """Signed distance of the illumination of normals (P, 3) to its interval, zero inside, shape (P,)."""
-        value = normals @ self.light
-        return value - np.clip(value, self.lower, self.upper)
-
-    def value(self, normals: FloatArray) -> float:
-        """Sum of squared excess."""
-        return float(np.sum(self.excess(normals) ** 2))
-
-    def gradient(self, normals: FloatArray) -> FloatArray:
-        """Gradient with respect to the normals, shape (P, 3)."""
-        return 2.0 * self.excess(normals)[:, None] * self.light
-
-
-@dataclass(frozen=True, eq=False)
-class PrintedEnergy:
-    """
-    Eq. 5: rho times the shading term plus lambda times the squared Laplacian of the normals.
-
-    Attributes
-    ----------
-    grid : MaskedGrid
-        The object.
-    shading : ShadingTerm
-        Intervals of illumination.
+    allowed : IlluminationInterval
+        Range of illumination that each pixel's color allows, bounds of shape (P,); lower = upper gives Eq. 3.
     rho, smoothness : float
         The paper's rho and lambda, per pixel.
+
+    Returns
+    -------
+    SmoothnessEnergy
+        The energy.
     """
-
-    grid: MaskedGrid
-    shading: ShadingTerm
-    rho: float
-    smoothness: float
-
-    def value(self, normals: FloatArray) -> float:
-        """Energy of normals (P, 3)."""
-        return self.rho * self.shading.value(normals) + self.smoothness * float(
-            np.sum(self.grid.laplacian(normals) ** 2)
-        )
-
-    def gradient(self, normals: FloatArray) -> FloatArray:
-        """Gradient with respect to the normals, shape (P, 3), before any unit-length constraint."""
-        twice = self.grid.laplacian(self.grid.laplacian(normals))  # the Laplacian is its own adjoint
-        return self.rho * self.shading.gradient(normals) + 2.0 * self.smoothness * twice
+    return SmoothnessEnergy.on_pixels(
+        grid, initial, light, allowed.lower, allowed.upper, weight=rho, smoothness=smoothness
+    )
 
 
-@dataclass(frozen=True, eq=False)
-class ChangeEnergy:
+def change_energy(
+    grid: MaskedGrid,
+    silhouette: Silhouette,
+    initial: FloatArray,
+    light: FloatArray,
+    allowed: IlluminationInterval,
+    options: RefinementOptions,
+    *,
+    painted: IlluminationInterval | None = None,
+) -> ChangeEnergy:
     """
-    Our energy: the shading term, the membrane of the change N - N0, and integrability.
+    Build our energy, whose lengths are relative to the object.
 
-    Attributes
+    Parameters
     ----------
     grid : MaskedGrid
         The object.
-    shading : ShadingTerm
-        Intervals of illumination.
+    silhouette : Silhouette
+        Its outline, which holds the normals of the rim.
     initial : ndarray, shape (P, 3)
-        N0, unit vectors.
-    membrane : Membrane
-        Links that keep the change smooth, and ties that hold rim pixels to N0, because the silhouette already says their
-        normal.
-    change_length, integrability_length : float
-        Lengths in pixels over which the change is smooth and the field integrable, where the intervals pull.
+        Unit normals N0 from which the change is measured.
+    light : ndarray, shape (3,)
+        Unit vector L.
+    allowed : IlluminationInterval
+        Range of illumination that each pixel's color allows, bounds of shape (P,).
+    options : RefinementOptions
+        Weights.
+    painted : IlluminationInterval, optional
+        What the colors by themselves allow, that is, without the range of mixed pixels; by default `allowed`. Where those of
+        neighbors lie apart, there is an edge.
 
-    Notes
-    -----
-    With l the change length and m the integrability length, in pixels,
-
-        E(N) = sum P(L · N) + l² (sum over neighbors k_pq |d_p - d_q|² + sum t_p |d_p|²) + m² sum r_p²,   d = N - N0,
-
-    with the stiffness k of links (one, or less across an edge) and t of ties, and where
-    r = n3 ∂y n1 - n1 ∂y n3 - n3 ∂x n2 + n2 ∂x n3 vanishes for the unit normals of a surface: it is n3² times
-    ∂y(n1 / n3) - ∂x(n2 / n3), without the division. It is taken at the middle of each cell of 2 x 2 pixels, where means and
-    differences are both of second order, and is linear in each of the four normals.
-
-    Both sums over differences are free of scale in two dimensions, so stating l and m in object lengths makes the minimum
-    independent of resolution.
+    Returns
+    -------
+    ChangeEnergy
+        The energy.
     """
-
-    grid: MaskedGrid
-    shading: ShadingTerm
-    initial: FloatArray
-    membrane: Membrane
-    change_length: float
-    integrability_length: float
-
-    def value(self, normals: FloatArray) -> float:
-        """Energy of normals (P, 3)."""
-        change = normals - self.initial
-        membrane = float(np.sum(change * self.membrane.apply(change)))
-        curl = float(np.sum(integrability_residual(self.grid, normals) ** 2))
-        return (
-            self.shading.value(normals)
-            + self.change_length**2 * membrane
-            + self.integrability_length**2 * curl
-        )
-
-    def gradient(self, normals: FloatArray) -> FloatArray:
-        """Gradient with respect to the normals, shape (P, 3), before any unit-length constraint."""
-        change = normals - self.initial
-        membrane = self.membrane.apply(change)
-        curl = _integrability_gradient(self.grid, normals)
-        return (
-            self.shading.gradient(normals)
-            + 2.0 * self.change_length**2 * membrane
-            + self.integrability_length**2 * curl
-        )
+    links = edge_links(
+        grid,
+        initial,
+        allowed if painted is None else painted,
+        turn=options.crease_turn,
+        jump=options.color_jump,
+    )
+    lower, upper = _with_margin(allowed, initial, light, options.margin)
+    size = float(np.sqrt(grid.size))
+    rim = block_sums(silhouette.pixels, 1.0 / silhouette.distances, grid.size)
+    return ChangeEnergy(
+        grid=grid,
+        start=initial,
+        direction=light,
+        lower=lower,
+        upper=upper,
+        weight=np.ones(grid.size),
+        links=links,
+        ties=options.rim_hold * rim + 1.0 / (options.change_reach * size) ** 2,
+        change_weight=(options.change_length * size) ** 2,
+        integrability_weight=(options.integrability_length * size) ** 2,
+    )
 
 
-def integrability_residual(grid: MaskedGrid, normals: FloatArray) -> FloatArray:
-    """Residual r of `ChangeEnergy` on every cell of 2 x 2 object pixels, shape (number of cells,)."""
-    return _cell_residual(normals[_cells(grid)])
+def _with_margin(
+    allowed: IlluminationInterval, initial: FloatArray, light: FloatArray, margin: float
+) -> tuple[FloatArray, FloatArray]:
+    """
+    Move the bounds inward, except -1 and 1: those end the darkest and the brightest color, and are no band edges.
+
+    The margin is for pixels that have to move: a start that already explains the picture is to stay as it is.
+    """
+    found = run_in_pieces(_occurring, len(initial), allowed, initial, light)
+    missed, darkest, brightest = np.array(found).T
+    margin = min(margin, MARGIN_PER_EXCESS * float(np.sqrt(missed.sum() / len(initial))))
+    lower, upper = np.empty((2, len(initial)))
+    run_in_pieces(_narrow, len(initial), allowed, margin, darkest.min(), brightest.max(), lower, upper)
+    return lower, upper
 
 
-def _cell_residual(corners: FloatArray) -> FloatArray:
-    """Residual of cells (n, 4, 3) whose corners are in the order of `CORNERS`."""
-    mean = corners.mean(axis=1)
-    along_x, along_y = _cell_differences(corners)
-    turn = along_y[:, 0] - along_x[:, 1]
-    residual: FloatArray = mean[:, 2] * turn - mean[:, 0] * along_y[:, 2] + mean[:, 1] * along_x[:, 2]
-    return residual
+def _occurring(
+    allowed: IlluminationInterval, initial: FloatArray, light: FloatArray, piece: slice
+) -> tuple[float, float, float]:
+    """Return by how much some pixels miss their intervals, squared, and their least and greatest illumination."""
+    value = initial[piece] @ light
+    excess = value - np.clip(value, allowed.lower[piece], allowed.upper[piece])
+    return float(excess @ excess), float(value.min()), float(value.max())
 
 
-def _cell_differences(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
-    side_x, side_y = CORNERS.T / 2.0
-    return np.einsum("k,nkc->nc", side_x, corners), np.einsum("k,nkc->nc", side_y, corners)
-
-
-def _integrability_gradient(grid: MaskedGrid, normals: FloatArray) -> FloatArray:
-    cells = _cells(grid)
-    corners = normals[cells]
-    mean = corners.mean(axis=1)
-    along_x, along_y = _cell_differences(corners)
-    twice = 2.0 * _cell_residual(corners)[:, None]
-    gradient = np.zeros_like(normals)
-    for corner, (x, y) in enumerate(CORNERS):
-        slope = np.stack(
-            [
-                y / 2 * mean[:, 2] - along_y[:, 2] / 4,
-                -x / 2 * mean[:, 2] + along_x[:, 2] / 4,
-                (along_y[:, 0] - along_x[:, 1]) / 4 - y / 2 * mean[:, 0] + x / 2 * mean[:, 1],
-            ],
-            axis=1,
-        )
-        np.add.at(gradient, cells[:, corner], twice * slope)
-    return gradient
-
-
-def _cells(grid: MaskedGrid) -> NDArray[np.intp]:
-    """Compact indices of the corners of all cells, shape (n, 4)."""
-    right, up = grid.neighbors[:, RIGHT], grid.neighbors[:, UP]
-    across = np.where(right != OUTSIDE, grid.neighbors[right, UP], OUTSIDE)
-    here = np.flatnonzero((right != OUTSIDE) & (up != OUTSIDE) & (across != OUTSIDE))
-    return np.stack([here, right[here], up[here], across[here]], axis=1).astype(np.intp)
+def _narrow(
+    allowed: IlluminationInterval,
+    margin: float,
+    darkest: float,
+    brightest: float,
+    lower: FloatArray,
+    upper: FloatArray,
+    piece: slice,
+) -> None:
+    """Write the bounds of some pixels, moved inward."""
+    low, high = allowed.lower[piece], allowed.upper[piece]
+    width = np.minimum(high, brightest) - np.maximum(low, darkest)
+    inward = np.minimum(margin, MARGIN_SHARE * np.maximum(width, 0.0))
+    lower[piece] = np.where(low > -1.0, low + inward, low)
+    upper[piece] = np.maximum(np.where(high < 1.0, high - inward, high), lower[piece])

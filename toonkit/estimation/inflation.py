@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from toonkit._validation import FloatArray, as_coverage, as_mask
-from toonkit.estimation.silhouette import Silhouette, trace_silhouette
+from toonkit.estimation.islands import Island, islands_of, join
+from toonkit.estimation.silhouette import Silhouette
 from toonkit.model.normals import NormalField
 from toonkit.numerics.bands import run_in_pieces
 from toonkit.numerics.masked_grid import MaskedGrid, block_sums
@@ -62,16 +63,21 @@ def inflate(mask: ArrayLike, *, alpha: ArrayLike | None = None) -> NormalField:
     coverage = (
         on_object.astype(np.float64) if alpha is None else as_coverage("alpha", alpha, (shape[0], shape[1]))
     )
-    grid = MaskedGrid(on_object)
-    return inflated_normals(grid, trace_silhouette(grid, coverage))
+    islands = islands_of(on_object, coverage)
+    return NormalField.of_pixels(inflate_islands(islands), on_object)
 
 
-def inflated_normals(grid: MaskedGrid, silhouette: Silhouette) -> NormalField:
-    """Inflate an outline that has been traced; see `inflate`."""
+def inflate_islands(islands: tuple[Island, ...]) -> FloatArray:
+    """Return the inflated normals (P, 3) of an object's islands; see `inflate`."""
+    return join(islands, [inflate_silhouette(island.grid, island.silhouette) for island in islands])
+
+
+def inflate_silhouette(grid: MaskedGrid, silhouette: Silhouette) -> FloatArray:
+    """Return the inflated normals (P, 3) of an outline that has been traced; see `inflate`."""
     sideways, _ = solve_membrane(*silhouette_system(grid, silhouette), tolerance=RESIDUAL_TOLERANCE)
     vectors = np.empty((grid.size, 3))
     run_in_pieces(_complete, grid.size, sideways, vectors)
-    return NormalField.of_pixels(vectors, grid.mask)
+    return vectors
 
 
 def silhouette_system(grid: MaskedGrid, silhouette: Silhouette) -> tuple[Membrane, NDArray[np.complex128]]:

@@ -6,14 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toonkit._validation import FloatArray, of_type, same_mask
+from toonkit._validation import FloatArray, same_mask
 from toonkit.estimation.light_prior import LightBelief, believed_light
-from toonkit.estimation.reading import reading
+from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.estimation.shape_prior import misfit
 from toonkit.model.image import ToonImage
 from toonkit.model.light import light_direction
 from toonkit.model.luminance import luminance
 from toonkit.model.normals import NormalField
+from toonkit.numerics.bands import single_threaded_blas
 
 LOWEST_ELEVATION = 5.0
 """Degrees. Painted light grazing the image plane or from behind it is a fit to noise, not a light."""
@@ -58,13 +59,15 @@ class LightEstimate:
     confidence: float
 
 
-def estimate_light(image: ToonImage, *, initial_normals: NormalField | None = None) -> LightEstimate:
+def estimate_light(
+    image: ToonImage | PreparedDrawing, *, initial_normals: NormalField | None = None
+) -> LightEstimate:
     """
     Estimate the light from the picture alone.
 
     Parameters
     ----------
-    image : ToonImage
+    image : ToonImage or PreparedDrawing
         The picture.
     initial_normals : NormalField, optional
         Inflated normals, if they are at hand.
@@ -88,14 +91,15 @@ def estimate_light(image: ToonImage, *, initial_normals: NormalField | None = No
     Its confidence counts in full where the light explains the shading of the inflated shape as a light should, and for
     nothing where the shading runs against it.
     """
-    of_type("image", image, ToonImage)
+    drawing = prepare(image)
     if initial_normals is not None:
-        same_mask("initial_normals", initial_normals.mask, image.mask, "the picture")
-    shades = luminance(reading(image).paint)
+        same_mask("initial_normals", initial_normals.mask, drawing.image.mask, "the picture")
+    shades = luminance(drawing.paint)
     if float(np.var(shades)) < 1e-10:
         return LightEstimate(light_direction(0.0, 90.0), 0.0)
-    normals = reading(image).initial_normals if initial_normals is None else initial_normals
-    belief = tried(believed_light(image, normals), image, normals)
+    normals = drawing.initial_normals if initial_normals is None else initial_normals
+    with single_threaded_blas():
+        belief = sharpen(believed_light(drawing, normals), drawing, normals)
     azimuth = np.rad2deg(np.arctan2(belief.light[1], belief.light[0]))
     elevation = np.rad2deg(np.arcsin(np.clip(belief.light[2], -1.0, 1.0)))
     light = light_direction(float(azimuth), float(max(elevation, LOWEST_ELEVATION)))
@@ -103,7 +107,7 @@ def estimate_light(image: ToonImage, *, initial_normals: NormalField | None = No
     return LightEstimate(light, belief.probability_within(CLOSE) * min(share / PLAUSIBLE, 1.0))
 
 
-def tried(belief: LightBelief, image: ToonImage, initial_normals: NormalField) -> LightBelief:
+def sharpen(belief: LightBelief, drawing: PreparedDrawing, initial_normals: NormalField) -> LightBelief:
     """
     Sharpen a belief by how well the learned shape explains the picture under some of the lights it holds likely.
 
@@ -111,8 +115,8 @@ def tried(belief: LightBelief, image: ToonImage, initial_normals: NormalField) -
     ----------
     belief : LightBelief
         What is believed so far.
-    image : ToonImage
-        The picture.
+    drawing : PreparedDrawing
+        The drawing.
     initial_normals : NormalField
         N0.
 
@@ -125,7 +129,7 @@ def tried(belief: LightBelief, image: ToonImage, initial_normals: NormalField) -
     """
     lights = candidates(belief)
     believed = belief.concentration * (lights @ belief.light)
-    misfits = misfit(image, lights, initial_normals) + NEGLIGIBLE
+    misfits = misfit(drawing, lights, initial_normals) + NEGLIGIBLE
     before, after = (_mean(lights, log) for log in (believed, believed - OBSERVATIONS / 2 * np.log(misfits)))
     light = belief.light + after - before
     drawn_together = float(np.linalg.norm(after) - np.linalg.norm(before))

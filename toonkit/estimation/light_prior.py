@@ -14,7 +14,7 @@ import numpy as np
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.convolution import Array, summary
 from toonkit.estimation.overview import Overview
-from toonkit.estimation.reading import reading
+from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.estimation.tone_ranks import ToneRanks
 from toonkit.estimation.weights import read_weights
 from toonkit.estimation.working_square import WorkingSquare
@@ -57,23 +57,44 @@ class LightBelief:
         return float(-np.expm1(-self.concentration * rise) / whole)
 
 
-def believed_light(image: ToonImage, initial_normals: NormalField) -> LightBelief:
+def believed_light(drawing: ToonImage | PreparedDrawing, initial_normals: NormalField) -> LightBelief:
     """
     Ask the network for the light.
 
     Parameters
     ----------
-    image : ToonImage
-        The picture.
+    drawing : ToonImage or PreparedDrawing
+        The drawing.
     initial_normals : NormalField
         N0.
 
     Returns
     -------
     LightBelief
-        Mean and concentration.
+        Mean and concentration. Of several islands, which one light shines on, the mean by area of what each says: copies of
+        one drawing say no more than one.
     """
-    overview = Overview.of(reading(image), initial_normals.compact)
+    drawing = prepare(drawing)
+    islands = [drawing.islands[k] for k in drawing.telling_islands]
+    beliefs = [
+        _seen_on(Overview.of(drawing.reduced_paint[k], initial_normals.compact[island.pixels]))
+        for k, island in zip(drawing.telling_islands, islands, strict=True)
+    ]
+    if len(beliefs) == 1:
+        return beliefs[0]
+    total = np.average(
+        [belief.concentration * belief.light for belief in beliefs],
+        axis=0,
+        weights=[island.grid.size for island in islands],
+    )
+    strength = float(np.linalg.norm(total))
+    if strength < LEAST_CONCENTRATION:
+        return LightBelief(np.array([0.0, 0.0, 1.0]), LEAST_CONCENTRATION)
+    return LightBelief(total / strength, strength)
+
+
+def _seen_on(overview: Overview) -> LightBelief:
+    """Ask the network about one island."""
     square = WorkingSquare.around(overview.grid, np.array([1.0, 0.0]))
     mask, ink, tones, initial = overview.seen_from(square)
     if not mask.any():  # a line thinner than the square's pixels

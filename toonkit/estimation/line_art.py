@@ -24,7 +24,7 @@ from scipy.ndimage import (
 )
 
 from toonkit._validation import BoolArray, FloatArray
-from toonkit.numerics.masked_grid import OUTSIDE, STEPS, MaskedGrid
+from toonkit.numerics.masked_grid import DOWN, LEFT, OUTSIDE, RIGHT, UP, MaskedGrid
 
 DARKEST_PAINT = 0.35
 """Tone above which an outline is no ink."""
@@ -38,7 +38,7 @@ GAP = 0.15
 ALL_AROUND = 0.92
 """Share of the silhouette that an outline follows."""
 
-FOLLOWED, LEFT = 0.8, 0.3
+FOLLOWED, LEFT_OVER = 0.8, 0.3
 """Shares of the silhouette along which an outline is at least as wide as its least width, and as its width."""
 
 WIDEST = 0.06
@@ -94,34 +94,48 @@ class LineArt:
         return paint
 
 
-def found_line_art(color: FloatArray, tone: FloatArray, grid: MaskedGrid) -> LineArt | None:
+def find_line_art(
+    colors: FloatArray,
+    tone: FloatArray,
+    grid: MaskedGrid,
+    *,
+    rim: NDArray[np.intp] | None,
+    cut: tuple[bool, bool, bool, bool],
+    area: int,
+) -> LineArt | None:
     """
     Find the ink of a drawing.
 
     Parameters
     ----------
-    color : ndarray, shape (H, W, 3)
-        sRGB in [0, 1] on the object.
+    colors : ndarray, shape (P, 3)
+        sRGB in [0, 1] of the object's pixels.
     tone : ndarray, shape (P,)
-        Tones of the object's pixels in [0, 1].
+        Their tones in [0, 1].
     grid : MaskedGrid
         The pixels.
+    rim : ndarray of int, shape (n,), or None
+        Those on the silhouette; None if that does not face all four ways, so that the frame could hide the darkest shading.
+    cut : tuple of bool
+        Whether the frame cut the object off to the RIGHT, UP, LEFT and DOWN.
+    area : int
+        Pixels of the largest island: lines are narrow relative to its size.
 
     Returns
     -------
     LineArt or None
-        None if there is none, or if a silhouette that the frame cuts off could hide the darkest shading.
+        None if there is none.
     """
-    rim = _silhouette_pixels(grid)
     if rim is None:
         return None
-    ink = _outline(tone, grid, rim)
+    widest = WIDEST * np.sqrt(area)
+    ink = _outline(tone, grid, rim, cut, widest)
     clean = None if ink is None else _untouched(ink, tone, grid)
     under = tone if clean is None or not clean.any() else tone[_nearest(clean, grid, distance_transform_cdt)]
     limit = np.sort(_darkest_near(under, grid, rim))[int(EXCEPTIONS * rim.size)] - GAP
     marks = under < limit
     if marks.any():
-        marks = _narrow(marks, WIDEST * np.sqrt(grid.size), grid)
+        marks = _narrow(marks, widest, grid)
     if marks.any():
         ink = marks if ink is None else marks | ink
         clean = _untouched(ink, tone, grid)
@@ -131,19 +145,7 @@ def found_line_art(color: FloatArray, tone: FloatArray, grid: MaskedGrid) -> Lin
     coverage = _coverage(tone, ink, nearest)
     touched = np.flatnonzero(coverage)
     sources = nearest[touched]
-    drawn, beneath = (color[grid.rows[which], grid.columns[which]] for which in (touched, sources))
-    return LineArt(touched, sources, coverage[touched], drawn, beneath)
-
-
-def _silhouette_pixels(grid: MaskedGrid) -> NDArray[np.intp] | None:
-    """Pixels on the silhouette, those on the frame apart; None if it does not face all four ways."""
-    height, width = grid.mask.shape
-    facing = []
-    for direction, (down, along) in enumerate(STEPS):
-        open_there = np.flatnonzero(grid.neighbors[:, direction] == OUTSIDE)
-        row, column = grid.rows[open_there] + down, grid.columns[open_there] + along
-        facing.append(open_there[(row >= 0) & (row < height) & (column >= 0) & (column < width)])
-    return np.unique(np.concatenate(facing)) if all(side.size for side in facing) else None
+    return LineArt(touched, sources, coverage[touched], colors[touched], colors[sources])
 
 
 def _darkest_near(tone: FloatArray, grid: MaskedGrid, pixels: NDArray[np.intp]) -> FloatArray:
@@ -158,19 +160,28 @@ def _darkest_near(tone: FloatArray, grid: MaskedGrid, pixels: NDArray[np.intp]) 
     return least
 
 
-def _outline(tone: FloatArray, grid: MaskedGrid, rim: NDArray[np.intp]) -> BoolArray | None:
+def _outline(
+    tone: FloatArray,
+    grid: MaskedGrid,
+    rim: NDArray[np.intp],
+    cut: tuple[bool, bool, bool, bool],
+    widest: float,
+) -> BoolArray | None:
     """Pixels of the ink that follows the silhouette, and of all lines that are as dark and up to about twice as wide."""
     around = _darkest_near(tone, grid, rim)
     ink_tone = float(np.median(around))
     if ink_tone > DARKEST_PAINT or np.mean(around < ink_tone + SAME) < ALL_AROUND:
         return None
     dark = tone < ink_tone + SAME
-    inward = _depth(grid.mask, grid)  # beyond the frame the object goes on
+    framed = np.pad(grid.mask, 1)
+    for direction, line in ((RIGHT, np.s_[:, -1]), (UP, np.s_[0]), (LEFT, np.s_[:, 0]), (DOWN, np.s_[-1])):
+        framed[line] = cut[direction]  # where the frame cut it off, the object goes on
+    inward = _depth(framed, grid)
     shares = (np.bincount(inward, dark) / np.maximum(np.bincount(inward), 1))[1:]
     start = int(np.argmax(shares[: BLUR + 1]))  # a rim may be mixed with what was behind it
     after = np.append(shares[start:], 0.0)
-    least_width, width = (start + int(np.argmax(after < share)) for share in (FOLLOWED, LEFT))
-    if width > WIDEST * np.sqrt(grid.size) or (width > HAIRLINE and least_width < EVEN * width):
+    least_width, width = (start + int(np.argmax(after < share)) for share in (FOLLOWED, LEFT_OVER))
+    if width > widest or (width > HAIRLINE and least_width < EVEN * width):
         return None
     beside = tone[(inward > width + BLUR) & (inward <= width + 2 * BLUR)]
     if beside.size == 0 or np.median(beside) < ink_tone + GAP:
@@ -193,8 +204,7 @@ def _narrow(chosen: BoolArray, half_width: float, grid: MaskedGrid) -> BoolArray
         down, along = extents[number - 1]
         if max(down.stop - down.start, along.stop - along.start) <= 2 * half_width:
             wide[extents[number - 1]] |= rest[extents[number - 1]] == number
-    narrow: BoolArray = (picture & ~wide)[grid.mask]
-    return narrow
+    return _of_object(picture & ~wide, grid)
 
 
 def _untouched(ink: BoolArray, tone: FloatArray, grid: MaskedGrid) -> BoolArray:
@@ -216,22 +226,25 @@ def _untouched(ink: BoolArray, tone: FloatArray, grid: MaskedGrid) -> BoolArray:
 def _nearest(chosen: BoolArray, grid: MaskedGrid, transform: Callable[..., Any]) -> NDArray[np.intp]:
     """Compact index of the chosen pixel (P,) nearest to each pixel, as a distance transform of scipy measures it."""
     rows, columns = transform(~_on_picture(chosen, grid), return_distances=False, return_indices=True)
-    nearest: NDArray[np.intp] = grid.index[rows, columns][grid.mask].astype(np.intp)
-    return nearest
+    framed = np.pad(grid.index, 1, constant_values=OUTSIDE)
+    return _of_object(framed[rows, columns], grid).astype(np.intp)
 
 
 def _depth(inside: BoolArray, grid: MaskedGrid) -> NDArray[np.int32]:
-    """How many pixels deep each of the object's pixels lies in some part (H, W) of the picture, 1 at its edge; 0 outside."""
-    depth: NDArray[np.int32] = distance_transform_cdt(inside, "chessboard")
-    deep: NDArray[np.int32] = depth[grid.mask]
-    return deep
+    """How many pixels deep each of the object's pixels lies in some part of the framed picture, 1 at its edge; 0 outside."""
+    return _of_object(distance_transform_cdt(inside, "chessboard"), grid)
 
 
 def _on_picture(chosen: BoolArray, grid: MaskedGrid) -> BoolArray:
-    """Pixels (P,) as a picture (H, W), False beside the object."""
+    """Pixels (P,) as a picture with a frame of one pixel, (H + 2, W + 2), False beside the object."""
     picture = np.zeros(grid.mask.shape, np.bool_)
     picture[grid.mask] = chosen
-    return picture
+    return np.pad(picture, 1)
+
+
+def _of_object(picture: NDArray[Any], grid: MaskedGrid) -> NDArray[Any]:
+    """Return what a framed picture (H + 2, W + 2) holds at the object's pixels, (P,)."""
+    return np.asarray(picture[1:-1, 1:-1][grid.mask])
 
 
 def _coverage(tone: FloatArray, ink: BoolArray, nearest: NDArray[np.intp]) -> FloatArray:

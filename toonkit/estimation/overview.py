@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.convolution import Array
 from toonkit.estimation.painted_tones import PaintedTones
-from toonkit.estimation.reading import Reading
 from toonkit.estimation.working_square import WorkingSquare
 from toonkit.model.luminance import REC709, linear_to_srgb
 from toonkit.numerics.masked_grid import OUTSIDE, Coarsening, IndexArray, MaskedGrid
@@ -59,11 +57,8 @@ class Overview(ReducedPaint):
     initial: FloatArray
 
     @classmethod
-    def of(cls, read: Reading, initial: FloatArray) -> Overview:
-        """Reduce a drawing and its N0 (P, 3); the drawing once, however often it is asked for."""
-        paint = _KNOWN.get(read)
-        if paint is None:
-            paint = _KNOWN[read] = _reduced(read)
+    def of(cls, paint: ReducedPaint, initial: FloatArray) -> Overview:
+        """Add N0 (P, 3) to a drawing that has been reduced."""
         directions = _directions(paint.steps, initial)[paint.filled]
         return cls(paint.grid, paint.steps, paint.filled, paint.tones, paint.ink, directions)
 
@@ -79,30 +74,40 @@ class Overview(ReducedPaint):
         return blocks != OUTSIDE, ink, _sampled(self.tones, blocks), _sampled(self.initial, blocks)
 
 
-_KNOWN: WeakKeyDictionary[Reading, ReducedPaint] = WeakKeyDictionary()
-"""Drawings that were reduced, each as long as its reading lives."""
+def reduce_paint(grid: MaskedGrid, light: FloatArray, tones: FloatArray, inked: FloatArray) -> ReducedPaint:
+    """
+    Reduce an object's paint to blocks, `LONGEST` to its longer side at most.
 
+    Parameters
+    ----------
+    grid : MaskedGrid
+        The object.
+    light : ndarray, shape (P, 3)
+        Its colors as linear light.
+    tones : ndarray, shape (P,)
+        Its tones without mixtures.
+    inked : ndarray, shape (P,)
+        One where ink touches the pixel, else zero.
 
-def _reduced(read: Reading) -> ReducedPaint:
-    steps = _halvings(read.grid)
+    Returns
+    -------
+    ReducedPaint
+        The object in blocks.
+    """
+    steps = _halvings(grid)
     factor = 2 ** len(steps)
-    grid = steps[-1].coarse if steps else read.grid
-    area = _block_sums(steps, np.ones(read.grid.size))
+    coarse = steps[-1].coarse if steps else grid
+    area = _block_sums(steps, np.ones(grid.size))
     filled = 2 * area >= factor**2
     if not filled.any():  # nothing but lines
         filled = np.ones_like(filled)
-    mask = np.zeros_like(grid.mask)
-    mask[grid.rows[filled], grid.columns[filled]] = True
+    mask = np.zeros_like(coarse.mask)
+    mask[coarse.rows[filled], coarse.columns[filled]] = True
     reduced = MaskedGrid(mask)
-    tones = read.tones.plain
     if steps:
-        light = (_block_sums(steps, read.tones.light) / area[:, None])[filled]
-        tones = PaintedTones.between(light, linear_to_srgb(light @ REC709), reduced).plain
-    ink = np.zeros(reduced.size, np.bool_)
-    if read.line_art is not None:
-        touched = np.zeros(read.grid.size)
-        touched[read.line_art.pixels] = 1.0
-        ink = (2 * _block_sums(steps, touched) >= area)[filled]
+        mean = (_block_sums(steps, light) / area[:, None])[filled]
+        tones = PaintedTones.between(mean, linear_to_srgb(mean @ REC709), reduced).plain
+    ink = (2 * _block_sums(steps, inked) >= area)[filled]
     return ReducedPaint(reduced, steps, filled, tones, ink)
 
 

@@ -4,92 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from toonkit._validation import (
+    BoolArray,
     FloatArray,
     as_coverage,
     as_light,
-    is_number,
     of_type,
     refuse,
     same_mask,
     same_shape,
 )
-from toonkit.estimation.edges import edge_links
-from toonkit.estimation.energy import PrintedEnergy, ShadingTerm
-from toonkit.estimation.silhouette import Silhouette, trace_silhouette
+from toonkit.estimation.energy import RefinementOptions, change_energy, printed_energy
+from toonkit.estimation.islands import Island, bounding_box, islands_of, join
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.normals import NormalField
-from toonkit.numerics.bands import run_in_pieces
 from toonkit.numerics.gauss_seidel import over_relaxed_sweeps
-from toonkit.numerics.masked_grid import MaskedGrid, block_sums
-from toonkit.numerics.report import SolverReport
-from toonkit.numerics.unit_field import UnitFieldProblem, solve_unit_field
+from toonkit.numerics.masked_grid import MaskedGrid
+from toonkit.numerics.report import SolverReport, join_reports
+from toonkit.numerics.unit_field import solve_unit_field
 
 Progress = Callable[[float], None]
 
-MARGIN_SHARE = 0.25
-"""Largest share of an interval, on either side, that the margin takes."""
-
-MARGIN_PER_EXCESS = 2.0
-"""Largest margin, as a multiple of the root mean square by which the start misses its intervals."""
-
 NEGLIGIBLE = 1.5e-5
-"""Square of an illumination that nobody sees, a step of an 8-bit picture: a cycle that gains less a pixel is the last."""
+"""Squared illumination, a step of an 8-bit picture: a cycle that gains less than this per pixel is the last."""
 
-
-@dataclass(frozen=True)
-class RefinementOptions:
-    """
-    What our refinement weighs, in lengths relative to the object.
-
-    Attributes
-    ----------
-    margin : float
-        How far inside its interval a pixel is asked to be, in illumination; never more than a quarter of the interval, or
-        than twice what the start misses its intervals by, root mean square.
-        Without it every pixel that its interval moved would end exactly on a bound, and the smallest turn of the light
-        would flip its color: old band edges would show in the relit picture.
-    change_length : float
-        Over what length the change of the normals is smooth, in units of sqrt(object area).
-    change_reach : float
-        Over what length a change dies out where nothing asks for it, in the same units.
-    integrability_length : float
-        Over what length the field is integrable, in the same units.
-    crease_turn : float
-        How much the initial normals turn, in radians per sqrt(object area), where their change is held together half as
-        firmly: the edges of a cube stay edges.
-    color_jump : float
-        How far apart the illuminations of two neighbors' colors lie where their change is held together half as firmly:
-        colors that meet in the picture but not in the color map are no shading bands of one smooth surface.
-    rim_hold : float
-        How firmly the silhouette's normals hold, 0 (free) to 1 (as firmly as neighbors hold each other).
-    tolerance : float
-        Relative decrease of the energy in one cycle of the solver at which it stops: all others together would gain less
-        than that.
-    """
-
-    margin: float = 0.05
-    change_length: float = 0.004
-    change_reach: float = 0.2
-    integrability_length: float = 0.01
-    crease_turn: float = 10.0
-    color_jump: float = 0.02
-    rim_hold: float = 1.0
-    tolerance: float = 0.04
-
-    def __post_init__(self) -> None:
-        for name in ("margin", "change_length", "integrability_length", "rim_hold"):
-            value = getattr(self, name)
-            if not is_number(value) or value < 0:
-                raise refuse(name, "must be a number >= 0", value)
-        for name in ("crease_turn", "color_jump", "change_reach", "tolerance"):
-            value = getattr(self, name)
-            if not is_number(value) or value <= 0:
-                raise refuse(name, "must be a number > 0", value)
+PRINTED_RELAXATION, PRINTED_SWEEPS, PRINTED_TOLERANCE = 1.5, 500, 1e-5
+"""How the paper's solver runs: over-relaxation factor, sweeps allowed, and the relative decrease of the energy in one sweep
+at which it stops."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +100,8 @@ def refine(
 
     Notes
     -----
-    Minimizes `toonkit.estimation.energy.ChangeEnergy`.
+    Minimizes the energy of `toonkit.estimation.energy.change_energy`. Parts of the object that do not touch are refined each
+    by itself.
     """
     of_type("initial_normals", initial_normals, NormalField)
     of_type("interval", interval, IlluminationInterval)
@@ -163,72 +110,70 @@ def refine(
     if guess is not None:
         of_type("guess", guess, NormalField)
         same_mask("guess", guess.mask, initial_normals.mask, "the initial normals")
-    grid = MaskedGrid(initial_normals.mask)
-    shading = _shading_term(grid, light, interval)
+    mask = initial_normals.mask
+    direction, allowed = as_light("light", light), _on_object(interval, mask)
     coverage = (
-        grid.mask.astype(np.float64) if alpha is None else as_coverage("alpha", alpha, initial_normals.shape)
+        mask.astype(np.float64) if alpha is None else as_coverage("alpha", alpha, initial_normals.shape)
     )
-    return refine_traced(
-        trace_silhouette(grid, coverage), initial_normals, shading,
-        grid=grid, options=options, guess=guess, progress=progress,
+    return refine_islands(
+        islands_of(mask, coverage), initial_normals, direction, allowed,
+        options=options, guess=guess, progress=progress,
     )  # fmt: skip
 
 
-def refine_traced(
-    silhouette: Silhouette,
+def refine_islands(
+    islands: tuple[Island, ...],
     initial_normals: NormalField,
-    shading: ShadingTerm,
+    light: FloatArray,
+    allowed: IlluminationInterval,
     *,
-    grid: MaskedGrid,
     painted: IlluminationInterval | None = None,
     options: RefinementOptions | None = None,
     guess: NormalField | None = None,
     progress: Progress | None = None,
 ) -> Refinement:
     """
-    Refine normals of an object whose outline has been traced, and whose intervals are known; see `refine`.
+    Refine the normals of an object's islands, each by itself; see `refine`.
 
-    What the colors allow by themselves, mixtures apart, is `painted`, with bounds of shape (P,); by default as the shading.
+    Here the light is a unit vector, and intervals have bounds of shape (P,); for `painted` see
+    `toonkit.estimation.energy.change_energy`.
     """
     options = RefinementOptions() if options is None else options
-    field, report = solve_unit_field(
-        stated(silhouette, initial_normals, shading, grid, options, painted),
-        guess=None if guess is None else guess.compact,
-        tolerance=options.tolerance,
-        negligible=NEGLIGIBLE,
-        progress=progress,
+    tell = progress if progress is not None else _ignored
+    whole, done = len(initial_normals.compact), 0
+    fields, reports = [], []
+    for island in islands:
+        size, pixels = island.grid.size, island.pixels
+        energy = change_energy(
+            island.grid, island.silhouette, initial_normals.compact[pixels], light, _of_pixels(allowed, pixels), options,
+            painted=None if painted is None else _of_pixels(painted, pixels),
+        )  # fmt: skip
+        field, report = solve_unit_field(
+            energy,
+            guess=None if guess is None else guess.compact[pixels],
+            tolerance=options.tolerance,
+            negligible=NEGLIGIBLE,
+            progress=partial(_tell_share, tell, done / whole, size / whole),
+        )
+        fields.append(field)
+        reports.append(report)
+        done += size
+    return Refinement(
+        NormalField.of_pixels(join(islands, fields), initial_normals.mask), join_reports(reports)
     )
-    return Refinement(NormalField.of_pixels(field, grid.mask), report)
 
 
-def stated(
-    silhouette: Silhouette,
-    initial_normals: NormalField,
-    shading: ShadingTerm,
-    grid: MaskedGrid,
-    options: RefinementOptions,
-    painted: IlluminationInterval | None = None,
-) -> UnitFieldProblem:
-    """State the problem that a refinement solves: `ChangeEnergy`, in lengths of the object; see `refine_traced`."""
-    start = initial_normals.compact
-    if painted is None:
-        painted = IlluminationInterval(shading.lower, shading.upper)
-    links = edge_links(grid, start, painted, turn=options.crease_turn, jump=options.color_jump)
-    shading = _with_margin(shading, start, options.margin)
-    size = float(np.sqrt(grid.size))
-    rim = block_sums(silhouette.pixels, 1.0 / silhouette.distances, grid.size)
-    return UnitFieldProblem(
-        grid=grid,
-        start=start,
-        direction=shading.light,
-        lower=shading.lower,
-        upper=shading.upper,
-        weight=np.ones(grid.size),
-        links=links,
-        ties=options.rim_hold * rim + 1.0 / (options.change_reach * size) ** 2,
-        change_weight=(options.change_length * size) ** 2,
-        integrability_weight=(options.integrability_length * size) ** 2,
-    )
+def _of_pixels(interval: IlluminationInterval, pixels: NDArray[np.integer] | slice) -> IlluminationInterval:
+    return IlluminationInterval(interval.lower[pixels], interval.upper[pixels])
+
+
+def _tell_share(tell: Progress, done: float, share: float, fraction: float) -> None:
+    """Report the progress of one island as that of the whole object."""
+    tell(done + share * fraction)
+
+
+def _ignored(_fraction: float) -> None:
+    """Stand in for a progress callable."""
 
 
 def refine_as_printed(
@@ -238,9 +183,9 @@ def refine_as_printed(
     *,
     rho: float,
     smoothness: float,
-    relaxation: float = 1.5,
-    max_sweeps: int = 500,
-    tolerance: float = 1e-5,
+    relaxation: float = PRINTED_RELAXATION,
+    max_sweeps: int = PRINTED_SWEEPS,
+    tolerance: float = PRINTED_TOLERANCE,
     progress: Progress | None = None,
 ) -> Refinement:
     """
@@ -261,7 +206,7 @@ def refine_as_printed(
     max_sweeps : int, optional
         Sweeps allowed.
     tolerance : float, optional
-        Relative decrease of the energy in one sweep below which it stands still.
+        Relative decrease of the energy in one sweep at which it stops.
     progress : callable, optional
         Called with the fraction done, 0 to 1; what it raises stops the refinement.
 
@@ -275,66 +220,25 @@ def refine_as_printed(
     ToonkitError
         If the light is refused or the interval has another size or is unknown on the object.
     """
-    grid = MaskedGrid(initial_normals.mask)
-    shading = _shading_term(grid, light, interval)
-    energy = PrintedEnergy(grid, shading, rho, smoothness)
-    field, report = over_relaxed_sweeps(
-        grid,
+    mask = initial_normals.mask
+    energy = printed_energy(
+        MaskedGrid(np.ascontiguousarray(mask[bounding_box(mask)])),
         initial_normals.compact,
-        shading.light,
-        shading.lower,
-        shading.upper,
+        as_light("light", light),
+        _on_object(interval, mask),
         rho=rho,
         smoothness=smoothness,
-        relaxation=relaxation,
-        max_sweeps=max_sweeps,
-        tolerance=tolerance,
-        energy=energy.value,
-        progress=progress,
     )
-    return Refinement(NormalField.of_pixels(field, grid.mask), report)
+    field, report = over_relaxed_sweeps(
+        energy, relaxation=relaxation, max_sweeps=max_sweeps, tolerance=tolerance, progress=progress
+    )
+    return Refinement(NormalField.of_pixels(field, mask), report)
 
 
-def _with_margin(shading: ShadingTerm, start: FloatArray, margin: float) -> ShadingTerm:
-    """
-    Move the bounds inward, but for -1 and 1: those end the darkest and the brightest color, and are no band edges.
-
-    The margin is for pixels that have to move: a start that explains the picture already is to stay as it is.
-    """
-    missed, darkest, brightest = np.array(run_in_pieces(_occurring, len(start), shading, start)).T
-    margin = min(margin, MARGIN_PER_EXCESS * float(np.sqrt(missed.sum() / len(start))))
-    lower, upper = np.empty((2, len(start)))
-    run_in_pieces(_narrow, len(start), shading, margin, darkest.min(), brightest.max(), lower, upper)
-    return ShadingTerm(shading.light, lower, upper)
-
-
-def _occurring(shading: ShadingTerm, start: FloatArray, piece: slice) -> tuple[float, float, float]:
-    """Return by how much some pixels miss their intervals, squared, and their least and greatest illumination."""
-    value = start[piece] @ shading.light
-    excess = value - np.clip(value, shading.lower[piece], shading.upper[piece])
-    return float(excess @ excess), float(value.min()), float(value.max())
-
-
-def _narrow(
-    shading: ShadingTerm,
-    margin: float,
-    darkest: float,
-    brightest: float,
-    lower: FloatArray,
-    upper: FloatArray,
-    piece: slice,
-) -> None:
-    """Write the bounds of some pixels, moved inward."""
-    low, high = shading.lower[piece], shading.upper[piece]
-    width = np.minimum(high, brightest) - np.maximum(low, darkest)
-    inward = np.minimum(margin, MARGIN_SHARE * np.maximum(width, 0.0))
-    lower[piece] = np.where(low > -1.0, low + inward, low)
-    upper[piece] = np.maximum(np.where(high < 1.0, high - inward, high), lower[piece])
-
-
-def _shading_term(grid: MaskedGrid, light: ArrayLike, interval: IlluminationInterval) -> ShadingTerm:
+def _on_object(interval: IlluminationInterval, mask: BoolArray) -> IlluminationInterval:
+    """Return an interval (H, W) at the object's pixels, (P,)."""
     for name, bound in (("interval.lower", interval.lower), ("interval.upper", interval.upper)):
-        same_shape(name, bound.shape, grid.mask.shape, "the normals")
-        if not np.isfinite(bound[grid.mask]).all():
+        same_shape(name, bound.shape, mask.shape, "the normals")
+        if not np.isfinite(bound[mask]).all():
             raise refuse(name, "must be known and finite on the object", "NaN or infinite values")
-    return ShadingTerm(as_light("light", light), interval.lower[grid.mask], interval.upper[grid.mask])
+    return IlluminationInterval(interval.lower[mask], interval.upper[mask])

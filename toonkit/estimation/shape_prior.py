@@ -18,8 +18,9 @@ from scipy.ndimage import distance_transform_edt
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.convolution import Array, Weights, field
+from toonkit.estimation.islands import join
 from toonkit.estimation.overview import Overview
-from toonkit.estimation.reading import reading
+from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.estimation.tone_ranks import ToneRanks
 from toonkit.estimation.weights import read_weights
 from toonkit.estimation.working_square import SIZE, WorkingSquare
@@ -46,14 +47,16 @@ NEGLIGIBLE = 0.005
 """Illumination by which normals may miss what the colors allow, root mean square, and still be taken for right."""
 
 
-def correct_shape(image: ToonImage, light: FloatArray, initial_normals: NormalField) -> NormalField:
+def correct_shape(
+    drawing: ToonImage | PreparedDrawing, light: FloatArray, initial_normals: NormalField
+) -> NormalField:
     """
     Correct initial normals by what the network has learned of shapes.
 
     Parameters
     ----------
-    image : ToonImage
-        The picture.
+    drawing : ToonImage or PreparedDrawing
+        The drawing.
     light : ndarray, shape (3,)
         Unit vector from the surface to the light.
     initial_normals : NormalField
@@ -62,29 +65,37 @@ def correct_shape(image: ToonImage, light: FloatArray, initial_normals: NormalFi
     Returns
     -------
     NormalField
-        Corrected normals on the same mask.
+        Corrected normals on the same mask. Each island is seen by itself.
     """
-    read = reading(image)
-    initial = initial_normals.compact
-    overview = Overview.of(read, initial)
-    square = WorkingSquare.around(overview.grid, light[:2])
+    drawing = prepare(drawing)
+    corrected = []
+    for island, paint in zip(drawing.islands, drawing.reduced_paint, strict=True):
+        initial = initial_normals.compact[island.pixels]
+        overview = Overview.of(paint, initial)
+        square = WorkingSquare.around(overview.grid, light[:2])
+        views = [
+            _View.of(overview, light, square, wider=wider, mirrored=mirrored) for wider, mirrored in SQUARES
+        ]
+        change = (
+            np.mean(run_each([view.answer_on_the_finer_square for view in views]), axis=0) * views[0].need()
+        )
+        spread = square.enlarged(overview.factor).spread(square.turned_back(change), island.grid)
+        corrected.append(moved(island.grid, initial, spread))
+    return NormalField.of_pixels(join(drawing.islands, corrected), initial_normals.mask)
 
-    views = [_View.of(overview, light, square, wider=wider, mirrored=mirrored) for wider, mirrored in SQUARES]
-    change = np.mean(run_each([view.answer_on_the_finer_square for view in views]), axis=0) * views[0].need()
-    spread = square.enlarged(overview.factor).spread(square.turned_back(change), read.grid)
-    return NormalField.of_pixels(moved(read.grid, initial, spread), image.mask)
 
-
-def misfit(image: ToonImage, lights: FloatArray, initial_normals: NormalField) -> FloatArray:
+def misfit(
+    drawing: ToonImage | PreparedDrawing, lights: FloatArray, initial_normals: NormalField
+) -> FloatArray:
     """
     Tell how badly the shape that the network sees under each light explains the picture: the lower, the likelier the light.
 
     Parameters
     ----------
-    image : ToonImage
-        The picture.
+    drawing : ToonImage or PreparedDrawing
+        The drawing.
     lights : ndarray, shape (n, 3)
-        Unit vectors from the surface to lights that may be the picture's.
+        Unit vectors from the surface to lights that may be the drawing's.
     initial_normals : NormalField
         N0.
 
@@ -92,18 +103,25 @@ def misfit(image: ToonImage, lights: FloatArray, initial_normals: NormalField) -
     -------
     ndarray, shape (n,)
         On normals corrected as the network answers, the mean square by which the illumination misses the intervals that
-        rank matching gives the colors, relative to the illumination's variance; 1 if there is nothing to be seen.
+        rank matching gives the colors, relative to the illumination's variance; 1 if there is nothing to be seen. Of
+        several islands the mean by area.
     """
-    overview = Overview.of(reading(image), initial_normals.compact)
+    drawing = prepare(drawing)
+    overviews = [
+        Overview.of(drawing.reduced_paint[k], initial_normals.compact[drawing.islands[k].pixels])
+        for k in drawing.telling_islands
+    ]
 
-    def missed(light: FloatArray) -> float:
+    def missed(overview: Overview, light: FloatArray) -> float:
         view = _View.of(overview, light, WorkingSquare.around(overview.grid, light[:2]))
         if not view.seen_mask.any():
             return 1.0
         seen = view.features(completed(view.initial + view.answer()))
         return _missed(seen) / max(float(np.var(seen[4][view.seen_mask])), 1e-12)
 
-    return np.array(run_each([partial(missed, light) for light in lights]))
+    each = run_each([partial(missed, overview, light) for overview in overviews for light in lights])
+    areas = [drawing.islands[k].grid.size for k in drawing.telling_islands]
+    return np.average(np.reshape(each, (len(overviews), len(lights))), axis=0, weights=areas)
 
 
 @dataclass(frozen=True, eq=False)

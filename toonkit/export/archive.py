@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray, ToonkitError, refuse
 from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.light_fit import LightEstimate
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
@@ -42,7 +43,7 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
         If the suffix is another or the file cannot be written.
     """
     suffix_of(path, (".npz",))
-    image, report = analysis.image, analysis.report
+    image, report, estimate = analysis.image, analysis.report, analysis.light_estimate
     touched = (image.alpha > 0) & ~image.mask
     fields: dict[str, NDArray[Any]] = {
         "format_version": np.array(FORMAT_VERSION),
@@ -57,6 +58,7 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
         "initial_normals": analysis.initial_normals.compact,
         "color_map_colors": analysis.color_map.colors,
         "color_map_domain": np.array(analysis.color_map.domain),
+        "light_confidence": np.array(np.nan if estimate is None else estimate.confidence),
         "report_iterations": np.array(report.iterations),
         "report_energies": np.asarray(report.energies),
         "report_reason": np.array(report.reason),
@@ -112,6 +114,7 @@ def load_analysis(path: PathLike) -> ToonAnalysis:
 
 def _assemble(fields: dict[str, NDArray[Any]]) -> ToonAnalysis:
     mask, alpha = fields["mask"], fields["alpha"]
+    confidence = float(fields.get("light_confidence", np.array(np.nan)))
     return ToonAnalysis(
         image=ToonImage(
             _spread(fields["color"], mask),
@@ -130,6 +133,7 @@ def _assemble(fields: dict[str, NDArray[Any]]) -> ToonAnalysis:
             reason=str(fields["report_reason"]),
             converged=bool(fields["report_converged"]),
         ),
+        light_estimate=None if np.isnan(confidence) else LightEstimate(fields["light"], confidence),
     )
 
 

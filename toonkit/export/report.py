@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.reading import reading
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
-from toonkit.model.image import ToonImage
 from toonkit.model.light import light_angles
 
 
@@ -50,7 +48,7 @@ def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
             "width": width,
             "height": height,
             "mask_pixels": int(analysis.image.mask.sum()),
-            "line_art_share": line_art_share(analysis.image),
+            "line_art_share": line_art_share(analysis),
         },
         "color_map": {
             "samples": len(analysis.color_map.colors),
@@ -65,22 +63,22 @@ def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
     }
 
 
-def line_art_share(image: ToonImage) -> float:
+def line_art_share(analysis: ToonAnalysis) -> float:
     """
     Return how much of a drawing is line art.
 
     Parameters
     ----------
-    image : ToonImage
-        The drawing.
+    analysis : ToonAnalysis
+        Any method's result.
 
     Returns
     -------
     float
         Share of the object's area, 0 to 1.
     """
-    ink = reading(image).line_art
-    return 0.0 if ink is None else float(ink.coverage.sum() / image.mask.sum())
+    ink = analysis.drawing.line_art
+    return 0.0 if ink is None else float(ink.coverage.sum() / analysis.drawing.grid.size)
 
 
 def write_report(report: dict[str, Any], path: PathLike) -> None:

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import functools
-import inspect
-from collections.abc import Callable
-from typing import Protocol
+from dataclasses import replace
+from typing import Any, Protocol
 
 from numpy.typing import ArrayLike
 
 from toonkit._validation import of_type, refuse, same_mask
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.light_fit import estimate_light
+from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.methods.classical import classical
-from toonkit.methods.first_use import share_compiling
 from toonkit.methods.lambert import lambert
 from toonkit.methods.lumo import lumo
 from toonkit.methods.steps import StepProgress
@@ -24,15 +22,21 @@ from toonkit.numerics.bands import single_threaded_blas
 
 
 class Method(Protocol):
-    """An estimator: a picture and its light to an analysis."""
+    """An estimator: from a drawing and its light to an analysis."""
 
     def __call__(
-        self, image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = None
+        self,
+        drawing: PreparedDrawing,
+        light: ArrayLike,
+        /,
+        *,
+        previous: ToonAnalysis | None = None,
+        progress: StepProgress | None = None,
     ) -> ToonAnalysis:
         """
-        Analyze `image` lit from `light`, telling `progress` the step and the fraction done.
+        Analyze a drawing lit from `light`, and tell `progress` the step and the fraction done.
 
-        One that can start from an earlier analysis takes it as another keyword, `previous`.
+        It may start from `previous`, an analysis of the same mask, which is passed only where there is one.
         """
         ...
 
@@ -45,15 +49,6 @@ METHODS: dict[str, Method] = {
     "lambert": lambert,
 }
 """Name -> estimator. Adding one is `METHODS["name"] = function`."""
-
-REFINING = (toonkit, classical)
-"""Estimators that run the loops which a second process compiles ahead."""
-
-
-def compile_ahead(method: str) -> None:
-    """Have a second process compile what a method needs last, on a machine that has not: the earlier, the better."""
-    if METHODS[method] in REFINING:
-        share_compiling()
 
 
 def analyze(
@@ -76,8 +71,8 @@ def analyze(
     method : str, optional
         Name of an estimator in `METHODS`.
     previous : ToonAnalysis, optional
-        An analysis of the same mask, under a light nearby: methods that start from it, `toonkit` and `classical`, answer
-        sooner.
+        An analysis of the same mask under a nearby light. `toonkit` and `classical` start from it and answer sooner; one of
+        the same picture passes on what was derived from it.
     progress : callable, optional
         Called with the name of the running step and the fraction of the whole done, 0 to 1. What it raises cancels.
 
@@ -105,14 +100,18 @@ def analyze(
     """
     if method not in METHODS:
         raise refuse("method", f"must be one of {', '.join(METHODS)}", repr(method))
-    of_type("image", image, ToonImage)
-    estimator: Callable[..., ToonAnalysis] = METHODS[method]
+    drawing = prepare(image)
     if previous is not None:
         of_type("previous", previous, ToonAnalysis)
         same_mask("previous", previous.image.mask, image.mask, "the picture")
-        if "previous" in inspect.signature(estimator).parameters:
-            estimator = functools.partial(estimator, previous=previous)
-    compile_ahead(method)
+        if previous.image is image:
+            drawing = previous.drawing
+    options: dict[str, Any] = {} if previous is None else {"previous": previous}
     with single_threaded_blas():
-        direction = estimate_light(image).light if light is None else light
-        return estimator(image, direction, progress=progress)
+        if light is not None:
+            return METHODS[method](drawing, light, progress=progress, **options)
+        if progress is not None:
+            progress("estimating the light", 0.0)
+        estimate = estimate_light(drawing)
+        analysis = METHODS[method](drawing, estimate.light, progress=progress, **options)
+    return replace(analysis, light_estimate=estimate)

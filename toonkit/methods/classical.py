@@ -5,12 +5,13 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from toonkit.analysis import ToonAnalysis
-from toonkit.methods.steps import StepProgress, inflated
+from toonkit.estimation.preparation import PreparedDrawing
+from toonkit.methods.steps import StepProgress, inflate_drawing
 from toonkit.model.image import ToonImage
 
 
 def classical(
-    image: ToonImage,
+    drawing: ToonImage | PreparedDrawing,
     light: ArrayLike,
     *,
     previous: ToonAnalysis | None = None,
@@ -21,12 +22,12 @@ def classical(
 
     Parameters
     ----------
-    image : ToonImage
-        The picture.
+    drawing : ToonImage or PreparedDrawing
+        The drawing.
     light : array_like, shape (3,)
         Direction from the surface to the light.
     previous : ToonAnalysis, optional
-        An analysis of the same picture, under a light nearby: its normals are where the refinement starts.
+        An analysis of the same drawing under a nearby light: the refinement starts from its normals.
     progress : callable, optional
         Called with (step, fraction done).
 
@@ -45,5 +46,5 @@ def classical(
     Where the paper smooths the normals (Eq. 5), which pulls a round shape flat, this smooths their change from N0, and adds
     the integrability that normals of a surface have; see `toonkit.estimation.energy.ChangeEnergy`.
     """
-    steps = inflated(image, light, progress)
-    return steps.finished("classical", steps.refined(steps.initial_normals, previous))
+    steps = inflate_drawing(drawing, light, progress)
+    return steps.finish("classical", steps.refine(steps.initial_normals, previous))

@@ -7,9 +7,9 @@ from numpy.typing import ArrayLike
 
 from toonkit._validation import FloatArray
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.reading import reading
+from toonkit.estimation.preparation import PreparedDrawing
 from toonkit.estimation.refinement import refine_as_printed
-from toonkit.methods.steps import StepProgress, inflated
+from toonkit.methods.steps import StepProgress, inflate_drawing
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.luminance import luminance
@@ -18,16 +18,24 @@ SMOOTHNESS = 1.0
 """The paper's small lambda for this baseline (Section 4.2)."""
 
 
-def lambert(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = None) -> ToonAnalysis:
+def lambert(
+    drawing: ToonImage | PreparedDrawing,
+    light: ArrayLike,
+    *,
+    previous: ToonAnalysis | None = None,
+    progress: StepProgress | None = None,
+) -> ToonAnalysis:
     """
     Analyze a picture as if its luminance were the illumination.
 
     Parameters
     ----------
-    image : ToonImage
-        The picture.
+    drawing : ToonImage or PreparedDrawing
+        The drawing.
     light : array_like, shape (3,)
         Direction from the surface to the light.
+    previous : ToonAnalysis, optional
+        Not used: this method starts from N0.
     progress : callable, optional
         Called with (step, fraction done).
 
@@ -50,22 +58,22 @@ def lambert(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None
     T.-P. Wu, J. Sun, C.-K. Tang, H.-Y. Shum, "Interactive normal reconstruction from a single image", ACM Trans. Graph.
     27(5), 2008.
     """
-    steps = inflated(image, light, progress)
-    target = reading(image).grid.scatter(_stretched_luminance(image, steps.initial_illumination[image.mask]))
+    del previous
+    steps = inflate_drawing(drawing, light, progress)
+    target = _stretched_luminance(luminance(steps.drawing.paint), steps.initial_illumination)
     refinement = refine_as_printed(
         steps.initial_normals,
         steps.light,
-        IlluminationInterval(target, target),
+        steps.drawing.interval(IlluminationInterval(target, target)),
         rho=1.0,
         smoothness=SMOOTHNESS,
         progress=steps.refining,
     )
-    return steps.finished("lambert", refinement)
+    return steps.finish("lambert", refinement)
 
 
-def _stretched_luminance(image: ToonImage, illumination: FloatArray) -> FloatArray:
-    """Luminance (P,) of the paint, mapped so that its extremes meet those of the illumination."""
-    shades = luminance(reading(image).paint)
+def _stretched_luminance(shades: FloatArray, illumination: FloatArray) -> FloatArray:
+    """Map luminances (P,) linearly so that their extremes meet those of the illumination."""
     dark, bright = shades.min(), shades.max()
     low, high = illumination.min(), illumination.max()
     if bright - dark < 1e-9:

@@ -5,22 +5,31 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.preparation import PreparedDrawing
 from toonkit.estimation.refinement import Refinement
-from toonkit.methods.steps import StepProgress, inflated
+from toonkit.methods.steps import StepProgress, inflate_drawing
 from toonkit.model.image import ToonImage
 from toonkit.numerics.report import NOT_REFINED
 
 
-def lumo(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = None) -> ToonAnalysis:
+def lumo(
+    drawing: ToonImage | PreparedDrawing,
+    light: ArrayLike,
+    *,
+    previous: ToonAnalysis | None = None,
+    progress: StepProgress | None = None,
+) -> ToonAnalysis:
     """
     Analyze a picture with the inflated normals alone; the color map is estimated on them.
 
     Parameters
     ----------
-    image : ToonImage
-        The picture.
+    drawing : ToonImage or PreparedDrawing
+        The drawing.
     light : array_like, shape (3,)
         Direction from the surface to the light.
+    previous : ToonAnalysis, optional
+        Not used: this method starts from N0.
     progress : callable, optional
         Called with (step, fraction done).
 
@@ -38,5 +47,6 @@ def lumo(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = 
     ----------
     S. F. Johnston, "Lumo: illumination for cel animation", NPAR 2002, doi:10.1145/508530.508538
     """
-    steps = inflated(image, light, progress)
-    return steps.finished("lumo", Refinement(steps.initial_normals, NOT_REFINED))
+    del previous
+    steps = inflate_drawing(drawing, light, progress)
+    return steps.finish("lumo", Refinement(steps.initial_normals, NOT_REFINED))

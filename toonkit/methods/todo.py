@@ -5,24 +5,33 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.preparation import PreparedDrawing
 from toonkit.estimation.refinement import refine_as_printed
-from toonkit.methods.steps import StepProgress, inflated
+from toonkit.methods.steps import StepProgress, inflate_drawing
 from toonkit.model.image import ToonImage
 
 RHO, LAMBDA = 20.0, 30.0
 """The paper's weights of Eq. 5, per pixel."""
 
 
-def todo(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = None) -> ToonAnalysis:
+def todo(
+    drawing: ToonImage | PreparedDrawing,
+    light: ArrayLike,
+    *,
+    previous: ToonAnalysis | None = None,
+    progress: StepProgress | None = None,
+) -> ToonAnalysis:
     """
     Analyze a picture by the method of Todo and Yamaguchi.
 
     Parameters
     ----------
-    image : ToonImage
-        The picture.
+    drawing : ToonImage or PreparedDrawing
+        The drawing.
     light : array_like, shape (3,)
         Direction from the surface to the light.
+    previous : ToonAnalysis, optional
+        Not used: this method starts from N0.
     progress : callable, optional
         Called with (step, fraction done).
 
@@ -41,13 +50,14 @@ def todo(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = 
     H. Todo, Y. Yamaguchi, "Reflectance and Shape Estimation for Cartoon Shaded Objects", Pacific Graphics
     Short Papers, 2016.
     """
-    steps = inflated(image, light, progress)
+    del previous
+    steps = inflate_drawing(drawing, light, progress)
     refinement = refine_as_printed(
         steps.initial_normals,
         steps.light,
-        steps.fitted_interval(),
+        steps.fit_interval(),
         rho=RHO,
         smoothness=LAMBDA,
         progress=steps.refining,
     )
-    return steps.finished("todo", refinement)
+    return steps.finish("todo", refinement)

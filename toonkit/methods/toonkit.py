@@ -5,18 +5,19 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.refinement import RefinementOptions
+from toonkit.estimation.energy import RefinementOptions
+from toonkit.estimation.preparation import PreparedDrawing
 from toonkit.estimation.shape_prior import correct_shape
-from toonkit.methods.steps import INFLATED, StepProgress, inflated
+from toonkit.methods.steps import INFLATED, StepProgress, inflate_drawing
 from toonkit.model.image import ToonImage
 
 OPTIONS = RefinementOptions(change_reach=0.05, tolerance=0.1)
-"""A learned shape is right in more places than an inflated one: what the colors ask of it stays nearer to where they do, and
-the last hundredths of the energy turn no normal by anything near what it errs."""
+"""A learned shape is right in more places than an inflated one, so a change stays nearer to the colors that ask for it; and
+further cycles change normals far less than their error."""
 
 
 def toonkit(
-    image: ToonImage,
+    drawing: ToonImage | PreparedDrawing,
     light: ArrayLike,
     *,
     previous: ToonAnalysis | None = None,
@@ -27,12 +28,12 @@ def toonkit(
 
     Parameters
     ----------
-    image : ToonImage
-        The picture.
+    drawing : ToonImage or PreparedDrawing
+        The drawing.
     light : array_like, shape (3,)
         Direction from the surface to the light.
     previous : ToonAnalysis, optional
-        An analysis of the same picture, under a light nearby: its normals are where the refinement starts.
+        An analysis of the same drawing under a nearby light: the refinement starts from its normals.
     progress : callable, optional
         Called with (step, fraction done).
 
@@ -51,8 +52,8 @@ def toonkit(
     The network of `toonkit.estimation.shape_prior` brings the shape, the energy of `toonkit.estimation.energy` brings the
     picture back: neither does as well alone.
     """
-    steps = inflated(image, light, progress)
+    steps = inflate_drawing(drawing, light, progress)
     if progress is not None:
         progress("correcting the shape", INFLATED / 2)
-    corrected = correct_shape(image, steps.light, steps.initial_normals)
-    return steps.finished("toonkit", steps.refined(corrected, previous, OPTIONS))
+    corrected = correct_shape(steps.drawing, steps.light, steps.initial_normals)
+    return steps.finish("toonkit", steps.refine(corrected, previous, OPTIONS))

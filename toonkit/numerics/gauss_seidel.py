@@ -1,7 +1,4 @@
-"""Plain Gauss-Seidel with over-relaxation, one pixel at a time, renormalizing: the readable reference (Section 3.3).
-
-Minimizes rho * sum P(L · n_p) + lambda * sum |Laplacian n|² over unit vectors, as the paper describes it.
-"""
+"""Plain Gauss-Seidel with over-relaxation, one pixel at a time, renormalizing: slow, and easy to read."""
 
 from __future__ import annotations
 
@@ -14,49 +11,33 @@ from numpy.typing import NDArray
 from toonkit._validation import FloatArray
 from toonkit.numerics.masked_grid import OUTSIDE, IndexArray, MaskedGrid
 from toonkit.numerics.report import SolverReport
+from toonkit.numerics.smoothness_energy import SmoothnessEnergy
 
 CHECK_EVERY = 10
-"""Sweeps between two looks at the energy, which costs as much as a sweep."""
+"""Sweeps between two evaluations of the energy, each of which costs as much as a sweep."""
 
 
 def over_relaxed_sweeps(
-    grid: MaskedGrid,
-    start: FloatArray,
-    direction: FloatArray,
-    lower: FloatArray,
-    upper: FloatArray,
+    energy: SmoothnessEnergy,
     *,
-    rho: float,
-    smoothness: float,
     relaxation: float,
     max_sweeps: int,
     tolerance: float,
-    energy: Callable[[FloatArray], float],
     progress: Callable[[float], None] | None = None,
 ) -> tuple[FloatArray, SolverReport]:
     """
-    Sweep until the energy stands still or the sweeps are used up.
+    Minimize from the energy's start until the energy hardly changes or the sweeps are used up.
 
     Parameters
     ----------
-    grid : MaskedGrid
-        The pixels.
-    start : ndarray, shape (P, 3)
-        First unit vectors.
-    direction : ndarray, shape (3,)
-        Unit vector L.
-    lower, upper : ndarray, shape (P,)
-        Interval of L · n.
-    rho, smoothness : float
-        Weights of the interval penalty and of the squared Laplacian.
+    energy : SmoothnessEnergy
+        The energy, of the same weight on all pixels and with links of unit stiffness.
     relaxation : float
         Over-relaxation factor, 1 to 2.
     max_sweeps : int
         Sweeps allowed.
     tolerance : float
-        Relative decrease of the energy in one sweep below which it stands still.
-    energy : callable
-        Energy of a field (P, 3), looked at every `CHECK_EVERY` sweeps.
+        Relative change of the energy in one sweep at which the solver stops.
     progress : callable, optional
         Called with the fraction done, 0 to 1; what it raises stops the solver.
 
@@ -67,27 +48,51 @@ def over_relaxed_sweeps(
     report : SolverReport
         Sweeps, energies and why it stopped.
     """
-    field = start.copy()
-    stencil, lag = _stencil(grid), _lag(grid)
-    interval = (direction, lower, upper)
-    weights = (*_weights(rho, smoothness), relaxation)
-    energies = [energy(field)]
+    solver = OverRelaxation(energy, relaxation)
+    field = energy.start.copy()
+    energies = [energy.value(field)]
     sweeps = 0
     while sweeps < max_sweeps:
-        # Recomputed now and then: updates alone would let rounding pile up. The row more is the dummy neighbor's.
-        laplacian = np.concatenate([grid.laplacian(field), np.zeros((1, 3))])
         block = min(CHECK_EVERY, max_sweeps - sweeps)
-        for _ in range(block // 2):
-            _two_sweeps(stencil, interval, weights, field, laplacian, lag)
-        if block % 2:
-            _one_sweep(stencil, interval, weights, field, laplacian)
+        solver.sweep(field, block)
         sweeps += block
-        energies.append(energy(field))
+        energies.append(energy.value(field))
         if progress is not None:
             progress(sweeps / max_sweeps)
         if abs(energies[-2] - energies[-1]) <= tolerance * block * abs(energies[-1]):
             return field, SolverReport(sweeps, np.array(energies), "the energy stands still", converged=True)
     return field, SolverReport(sweeps, np.array(energies), "the sweep limit was reached", converged=False)
+
+
+class OverRelaxation:
+    """
+    Sweeps over the pixels of an energy, set up once.
+
+    Parameters
+    ----------
+    energy : SmoothnessEnergy
+        The energy, of the same weight on all pixels and with links of unit stiffness.
+    relaxation : float
+        Over-relaxation factor, 1 to 2.
+    """
+
+    def __init__(self, energy: SmoothnessEnergy, relaxation: float) -> None:
+        self._grid = energy.grid
+        self._stencil, self._lag = _stencil(energy.grid), _lag(energy.grid)
+        self._interval = (energy.direction, energy.lower, energy.upper)
+        self._weights = (*_weights(float(energy.weight[0]), energy.smoothness), relaxation)
+
+    def sweep(self, field: FloatArray, count: int) -> None:
+        """Sweep so many times over a field (P, 3) of unit vectors, in place."""
+        while count > 0:
+            # Recomputed now and then: updates alone would let rounding pile up. The row more is the dummy neighbor's.
+            laplacian = np.concatenate([self._grid.laplacian(field), np.zeros((1, 3))])
+            block = min(CHECK_EVERY, count)
+            for _ in range(block // 2):
+                _two_sweeps(self._stencil, self._interval, self._weights, field, laplacian, self._lag)
+            if block % 2:
+                _one_sweep(self._stencil, self._interval, self._weights, field, laplacian)
+            count -= block
 
 
 def _stencil(grid: MaskedGrid) -> tuple[IndexArray, NDArray[np.intp]]:
@@ -96,7 +101,7 @@ def _stencil(grid: MaskedGrid) -> tuple[IndexArray, NDArray[np.intp]]:
     return np.where(inside, grid.neighbors, np.int32(grid.size)), inside.sum(axis=1)
 
 
-def _weights(rho: float, smoothness: float) -> tuple[FloatArray, FloatArray]:
+def _weights(weight: float, smoothness: float) -> tuple[FloatArray, FloatArray]:
     """
     Return the step against the smoothness' slope, and the share of an excess that is taken back, by neighbors.
 
@@ -105,7 +110,7 @@ def _weights(rho: float, smoothness: float) -> tuple[FloatArray, FloatArray]:
     neighbors = np.arange(5.0)
     curvature = smoothness * (neighbors**2 + neighbors)
     step = np.divide(smoothness, curvature, out=np.zeros(5), where=curvature > 0)
-    share = np.divide(rho, curvature + rho, out=np.zeros(5), where=curvature + rho > 0)
+    share = np.divide(weight, curvature + weight, out=np.zeros(5), where=curvature + weight > 0)
     return step, share
 
 
@@ -144,7 +149,7 @@ def _one_sweep(stencil, interval, weights, field, laplacian):  # type: ignore[no
 def _update(p, stencil, interval, weights, field, laplacian):  # type: ignore[no-untyped-def]
     """Move one pixel to the least energy of its own, and beyond by the over-relaxation; written out for speed."""
     neighbors, count = stencil
-    light, lower, upper = interval
+    direction, lower, upper = interval
     step, share, relaxation = weights
     a, b, c, d = neighbors[p, 0], neighbors[p, 1], neighbors[p, 2], neighbors[p, 3]
     n = count[p]
@@ -158,11 +163,11 @@ def _update(p, stencil, interval, weights, field, laplacian):  # type: ignore[no
     to_z = z - step[n] * (
         laplacian[a, 2] + laplacian[b, 2] + laplacian[c, 2] + laplacian[d, 2] - n * laplacian[p, 2]
     )
-    along = to_x * light[0] + to_y * light[1] + to_z * light[2]
+    along = to_x * direction[0] + to_y * direction[1] + to_z * direction[2]
     pushed = share[n] * (min(max(along, lower[p]), upper[p]) - along)
-    to_x = x + relaxation * (to_x + pushed * light[0] - x)
-    to_y = y + relaxation * (to_y + pushed * light[1] - y)
-    to_z = max(z + relaxation * (to_z + pushed * light[2] - z), 0.0)
+    to_x = x + relaxation * (to_x + pushed * direction[0] - x)
+    to_y = y + relaxation * (to_y + pushed * direction[1] - y)
+    to_z = max(z + relaxation * (to_z + pushed * direction[2] - z), 0.0)
     length = np.sqrt(to_x * to_x + to_y * to_y + to_z * to_z)
     if length < 1e-12:
         return

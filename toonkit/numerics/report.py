@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +31,21 @@ class SolverReport:
     energies: FloatArray
     reason: str
     converged: bool
+
+
+def join_reports(reports: Sequence[SolverReport]) -> SolverReport:
+    """Account for problems that were solved one after the other: energies are their sums, iterations the most of any."""
+    if len(reports) == 1:
+        return reports[0]
+    longest = max(len(report.energies) for report in reports)
+    energies = [np.pad(report.energies, (0, longest - len(report.energies)), "edge") for report in reports]
+    worst = next((report for report in reports if not report.converged), reports[0])
+    return SolverReport(
+        max(report.iterations for report in reports),
+        np.sum(energies, axis=0),
+        worst.reason,
+        converged=worst.converged,
+    )
 
 
 NOT_REFINED = SolverReport(0, np.zeros(0), "nothing was refined", converged=True)

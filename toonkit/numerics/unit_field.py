@@ -10,10 +10,7 @@ from toonkit._validation import FloatArray
 from toonkit.numerics.bands import inner
 from toonkit.numerics.report import SolverReport
 from toonkit.numerics.unit_field_cycle import Level, correct, from_coarser_grids
-from toonkit.numerics.unit_field_problem import UnitFieldProblem
-from toonkit.numerics.unit_vectors import UnitVectorProblem, moved
-
-__all__ = ["UnitFieldProblem", "solve_unit_field"]
+from toonkit.numerics.unit_vectors import UnitVectorEnergy, moved
 
 LEVEL, TRIALS = 0.3, 4
 """Share of the first slope that is left where a step is long enough, and how many lengths are tried."""
@@ -23,7 +20,7 @@ LONGEST_STEP = 2.0
 
 
 def solve_unit_field(
-    problem: UnitVectorProblem,
+    problem: UnitVectorEnergy,
     *,
     guess: FloatArray | None = None,
     tolerance: float = 1e-6,
@@ -36,8 +33,8 @@ def solve_unit_field(
 
     Parameters
     ----------
-    problem : UnitVectorProblem
-        The problem: a `UnitFieldProblem`, or a `toonkit.numerics.smoothing.SmoothingProblem`.
+    problem : UnitVectorEnergy
+        What is minimized.
     guess : ndarray, shape (P, 3), optional
         Unit vectors near the answer, such as the answer to a problem like this one; the start by default.
     tolerance : float, optional
@@ -73,7 +70,9 @@ def solve_unit_field(
     near = problem.start if guess is None else moved(problem.grid, guess, guess)
     starts = [problem.start, from_coarser_grids(finest, near)]
     gradients = np.empty((2, *problem.start.shape))
-    energies = [problem.slope(problem.posed, *pair) for pair in zip(starts, gradients, strict=True)]
+    energies = [
+        problem.value_and_gradient(problem.posed, *pair) for pair in zip(starts, gradients, strict=True)
+    ]
     best = int(np.argmin(energies))
     energies[1] = energies[best]
     tell(0.2)
@@ -130,7 +129,7 @@ class _Descent:
 
         def tried(length: float) -> float:
             finest.retracted(self.field, step, length, trial)
-            return finest.problem.slope(finest.problem.posed, trial, slopes)
+            return finest.problem.value_and_gradient(finest.problem.posed, trial, slopes)
 
         length, best, lowest = 1.0, 0.0, self.energy
         for _ in range(TRIALS):

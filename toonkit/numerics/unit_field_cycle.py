@@ -2,7 +2,7 @@
 Cycles of the solver for unit vectors over ever coarser grids: the full approximation scheme.
 
 Coarse grids see the same kind of problem, with a linear term that makes them stand still where the fine grid does, and with
-the illuminations that are outside their intervals held as firmly as they are there.
+the components that are outside their intervals held as firmly as they are there.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import numpy as np
 
 from toonkit._validation import FloatArray
 from toonkit.numerics.bands import inner
-from toonkit.numerics.unit_field_kernels import finish_blocks, gather_blocks, retract
-from toonkit.numerics.unit_vectors import NO_SOURCE, Terms, UnitVectorProblem, moved
+from toonkit.numerics.change_kernels import finish_blocks, gather_blocks, retract
+from toonkit.numerics.unit_vectors import NO_SOURCE, Terms, UnitVectorEnergy, moved
 
 COARSEST_SIZE = 1000
 """Pixels of the coarsest grid at most: on still coarser ones one vector stands for too much of an object's curvature."""
@@ -33,18 +33,18 @@ class Level:
 
     Attributes
     ----------
-    problem : UnitVectorProblem
+    problem : UnitVectorEnergy
         The problem there.
     coarser : Level or None
         The next one, None on the coarsest grid.
     """
 
-    problem: UnitVectorProblem
+    problem: UnitVectorEnergy
     coarser: Level | None
     _rooms: dict[str, FloatArray] = field(default_factory=dict)
 
     @classmethod
-    def finest(cls, problem: UnitVectorProblem) -> Level:
+    def finest(cls, problem: UnitVectorEnergy) -> Level:
         """Return the level of a problem as it is posed, with those of all coarser grids behind it."""
         if problem.grid.size <= COARSEST_SIZE:
             return cls(problem, None)
@@ -98,7 +98,7 @@ def cycle(level: Level, terms: Terms, field: FloatArray) -> None:
         return
     level.problem.relax(terms, field, backward=False)
     gradient = level.room("gradient")
-    energy = level.problem.slope(terms, field, gradient)
+    energy = level.problem.value_and_gradient(terms, field, gradient)
     correct(level, terms, field, gradient, energy)
 
 
@@ -124,19 +124,19 @@ def _restricted(
     level: Level, coarse: Level, terms: Terms, field: FloatArray, gradient: FloatArray
 ) -> tuple[FloatArray, Terms]:
     """Return the mean vectors of the blocks, and the terms under which the coarse level stands still where this one does."""
-    light = level.problem.direction
-    hold, target, lower, upper, weight = coarse.cleared("illumination", 5)
+    direction = level.problem.direction
+    hold, target, lower, upper, weight = coarse.cleared("components", 5)
     start, slopes = coarse.room("start"), coarse.room("slopes")
     start.fill(0.0)
     slopes.fill(0.0)
     level.problem.grid.bands.run(
-        gather_blocks, level.problem.grid.coarsening.parent, light, field, gradient, terms.hold, terms.lower, terms.upper,
-        terms.weight, start, slopes, hold, lower, upper, weight,
+        gather_blocks, level.problem.grid.coarsening.parent, direction, field, gradient, terms.hold, terms.lower,
+        terms.upper, terms.weight, start, slopes, hold, lower, upper, weight,
     )  # fmt: skip
-    coarse.problem.grid.bands.run(finish_blocks, light, start, lower, upper, weight, target)
+    coarse.problem.grid.bands.run(finish_blocks, direction, start, lower, upper, weight, target)
     terms = Terms(lower, upper, weight, hold, target, NO_SOURCE)
     source = coarse.room("source")
-    coarse.problem.slope(terms, start, source)
+    coarse.problem.value_and_gradient(terms, start, source)
     source -= slopes
     return start, replace(terms, source=source)
 
@@ -147,5 +147,5 @@ def _fitting_length(
     """Return the length of a step at which a parabola is least: through the energy and its slope here, and at its end."""
     along = inner(gradient, step)
     end = level.retracted(field, step, 1.0, level.room("end"))
-    bend = level.problem.slope(terms, end, level.room("end's gradient")) - energy - along
+    bend = level.problem.value_and_gradient(terms, end, level.room("end's gradient")) - energy - along
     return float(np.clip(-along / (2.0 * bend), 0.0, LONGEST_CORRECTION)) if bend > 0.0 else 1.0

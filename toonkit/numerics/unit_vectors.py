@@ -1,4 +1,4 @@
-"""Problems whose unknowns are unit vectors that face the viewer, one a pixel: what the solver of them all asks of each."""
+"""Energies of unit vectors that face the viewer, one a pixel: what minimizers ask of them."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from toonkit._validation import FloatArray
+from toonkit.numerics.change_kernels import retract
 from toonkit.numerics.masked_grid import Coarsening, MaskedGrid
-from toonkit.numerics.unit_field_kernels import retract
 
 NOT_HELD, NO_SOURCE = np.zeros(0), np.zeros((0, 3))
 """What stands in `Terms` where nothing is held, and where there is no linear term."""
@@ -19,14 +19,14 @@ NOT_HELD, NO_SOURCE = np.zeros(0), np.zeros((0, 3))
 @dataclass(frozen=True, eq=False)
 class Terms:
     """
-    What draws at the vectors of one of the solver's grids: as the problem says, or as a finer grid asks.
+    What pulls at the vectors of one of a multigrid's grids: as the energy says, or as a finer grid asks.
 
     Attributes
     ----------
     lower, upper, weight : ndarray, shape (P,)
-        Interval of L · n, and the weight of its penalty.
+        Interval of the component along the direction, and the weight of its penalty.
     hold, target : ndarray, shape (P,)
-        How firmly L · n is held, and where; of shape (0,) where a problem is as it was posed.
+        How firmly that component is held, and where; of shape (0,) where an energy is as it was posed.
     source : ndarray, shape (P, 3)
         Linear term; of shape (0, 3) where there is none.
     """
@@ -40,22 +40,25 @@ class Terms:
 
 
 @dataclass(frozen=True, eq=False)
-class UnitVectorProblem(ABC):
+class UnitVectorEnergy(ABC):
     """
-    To be minimized over unit vectors with z >= 0: intervals of illumination, and what holds the vectors together.
+    An energy of unit vectors with z >= 0: a penalty on one component of each, and what holds them together.
+
+    The penalty is w_p times the squared distance of u · n_p to an interval, summed over the pixels. `value` and `gradient`
+    are there to be read and to check others against; minimizers use the compiled methods.
 
     Attributes
     ----------
     grid : MaskedGrid
         The pixels.
     start : ndarray, shape (P, 3)
-        Unit vectors at which the solver may start.
+        Unit vectors at which a minimizer may start.
     direction : ndarray, shape (3,)
-        Unit vector L.
+        Unit vector u.
     lower, upper : ndarray, shape (P,)
-        Interval of L · n.
+        Interval of u · n.
     weight : ndarray, shape (P,)
-        Weight of the squared distance of L · n to its interval.
+        Weight w of the penalty.
     fitting_from : float
         Pixels of a grid from which on a coarser grid's correction fits as it is; on smaller grids its length is looked for.
     """
@@ -71,20 +74,41 @@ class UnitVectorProblem(ABC):
 
     @property
     def posed(self) -> Terms:
-        """The terms of the problem itself."""
+        """The terms of the energy itself."""
         return Terms(self.lower, self.upper, self.weight, NOT_HELD, NOT_HELD, NO_SOURCE)
 
+    def excess(self, field: FloatArray) -> FloatArray:
+        """Signed distance of the component of vectors (P, 3) to its interval, zero inside, shape (P,)."""
+        component = field @ self.direction
+        return component - np.clip(component, self.lower, self.upper)
+
+    def penalty(self, field: FloatArray) -> float:
+        """Penalty on the component of vectors (P, 3)."""
+        return float(np.sum(self.weight * self.excess(field) ** 2))
+
+    def penalty_gradient(self, field: FloatArray) -> FloatArray:
+        """Gradient of the penalty with respect to the vectors, shape (P, 3)."""
+        return (2.0 * self.weight * self.excess(field))[:, None] * self.direction
+
     @abstractmethod
-    def coarsened(self) -> UnitVectorProblem:
-        """Return the same problem on blocks of 2 x 2 pixels."""
+    def value(self, field: FloatArray) -> float:
+        """Energy of vectors (P, 3), readable rather than fast."""
+
+    @abstractmethod
+    def gradient(self, field: FloatArray) -> FloatArray:
+        """Gradient with respect to the vectors, shape (P, 3), before any constraint on their length; readable."""
+
+    @abstractmethod
+    def value_and_gradient(self, terms: Terms, field: FloatArray, out: FloatArray) -> float:
+        """Return the energy of a field; write its gradient (P, 3), as far as unit vectors with z >= 0 may follow it."""
 
     @abstractmethod
     def relax(self, terms: Terms, field: FloatArray, *, backward: bool) -> None:
         """Turn one vector after the other to where its own energy is least, in place; `backward` is the opposite order."""
 
     @abstractmethod
-    def slope(self, terms: Terms, field: FloatArray, out: FloatArray) -> float:
-        """Return the energy of a field; write its gradient (P, 3), as far as unit vectors with z >= 0 may follow it."""
+    def coarsened(self) -> UnitVectorEnergy:
+        """Return the same energy on blocks of 2 x 2 pixels."""
 
     def block_means(self, step: Coarsening) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return start, lower, upper and weight of blocks: the means of their pixels, and the sum of the weights."""
@@ -95,7 +119,7 @@ class UnitVectorProblem(ABC):
 
 
 def moved(grid: MaskedGrid, field: FloatArray, step: FloatArray) -> FloatArray:
-    """Return the unit vectors (P, 3) of a field plus a step, z >= 0; one that vanishes faces the viewer."""
+    """Return the unit vectors (P, 3) of a field plus a step, z >= 0; one that vanishes becomes (0, 0, 1)."""
     out = np.empty_like(field)
     grid.bands.run(retract, field, step, 1.0, out)
     return out

@@ -10,6 +10,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from toonkit._validation import ToonkitError
+from toonkit.estimation.preparation import prepare
 from toonkit.methods import METHODS
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
@@ -125,6 +126,6 @@ def _warm_up() -> None:
     disc = ToonImage(np.where((x > 0)[..., None], 0.9, 0.2) * np.ones(3), mask)
     for method in METHODS.values():
         try:
-            method(disc, light_direction(135, 45))
+            method(prepare(disc), light_direction(135, 45))
         except Exception:  # a method of somebody's that has no answer here may have one to the trials
             continue

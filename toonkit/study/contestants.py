@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from toonkit._validation import FloatArray
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.color_map_fit import fit_color_map
+from toonkit.estimation.preparation import PreparedDrawing
 from toonkit.methods import METHODS, Method
 from toonkit.methods.steps import StepProgress
 from toonkit.model.image import ToonImage
@@ -47,15 +48,23 @@ class Contestant:
     relight: Callable[[ToonAnalysis, FloatArray], ToonImage] = _by_the_model
 
 
-def flat(image: ToonImage, light: ArrayLike, *, progress: StepProgress | None = None) -> ToonAnalysis:
+def flat(
+    drawing: PreparedDrawing,
+    light: ArrayLike,
+    *,
+    previous: ToonAnalysis | None = None,
+    progress: StepProgress | None = None,
+) -> ToonAnalysis:
     """Take every normal to point at the viewer: what any method must beat."""
+    del previous
+    image = drawing.image
     vectors = np.where(image.mask[..., None], TOWARD_VIEWER, np.nan)
     normals = NormalField(vectors, image.mask)
     direction = np.asarray(light, dtype=np.float64)
-    color_map = fit_color_map(image, illumination(normals, direction))
+    color_map = fit_color_map(drawing, illumination(normals, direction))
     if progress is not None:
         progress("done", 1.0)
-    return ToonAnalysis(image, "flat", direction, normals, normals, color_map)
+    return ToonAnalysis(image, "flat", direction, normals, normals, color_map, drawing=drawing)
 
 
 FLAT = Contestant(flat, picture=lambda analysis: analysis.image, relight=lambda analysis, _: analysis.image)

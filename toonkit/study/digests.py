@@ -47,7 +47,7 @@ _USED_BY = {
     "shape": ("shape_prior",),
     "light": ("light_fit", "light_prior"),
     "refinement": (".refined(", "shape_prior"),  # whose normals the solver's module makes unit vectors
-    "smoothing": ("SmoothingProblem",),
+    "smoothing": ("SmoothnessEnergy",),
 }  # what a method's module says if it uses them
 
 MEASURED_BY = (

@@ -16,6 +16,7 @@ import toonkit
 from toonkit._validation import FloatArray, is_number, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.light_fit import LightEstimate, estimate_light
+from toonkit.estimation.preparation import prepare
 from toonkit.metrics import (
     UNCHANGED,
     PictureError,
@@ -308,7 +309,7 @@ def _measured(trial: Trial, painting: Painting, contestant: Contestant) -> dict[
         estimate = estimate_light(painting.image)
     own = copy.deepcopy(painting.image)  # what a method does to its input is not done to its rivals'
     start = time.perf_counter()
-    analysis = contestant.analyze(own, estimate.light)
+    analysis = contestant.analyze(prepare(own), estimate.light)
     seconds = time.perf_counter() - start
     return {
         "light_error": _angle(estimate.light, painting.light),

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from toonkit._validation import FloatArray, as_array, refuse
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.reading import reading
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
 from toonkit.model.luminance import tone
@@ -91,7 +90,7 @@ def color_map_fit(analysis: ToonAnalysis, *, seed: int = 0) -> hv.Overlay:
         Tone (0 to 1) over illumination (-1 to 1).
     """
     mask = analysis.image.mask
-    color = reading(analysis.image).paint
+    color = analysis.drawing.paint
     chosen = _sample(len(color), SCATTER_PIXELS, seed)
     points = hv.Points(
         (
@@ -214,7 +213,7 @@ def _curve(color_map: ColorMap) -> hv.Overlay:
 def _bars(analysis: ToonAnalysis) -> hv.Segments:
     """Return intervals of illumination of some painted colors, evenly spread over the tones."""
     mask = analysis.image.mask
-    color = reading(analysis.image).paint
+    color = analysis.drawing.paint
     tones = tone(color)
     order = np.argsort(tones, kind="stable")
     chosen = order[np.linspace(0, len(order) - 1, INTERVAL_BARS).astype(np.intp)]

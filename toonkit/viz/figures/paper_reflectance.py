@@ -11,7 +11,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
 from toonkit._validation import BoolArray, FloatArray, is_number, refuse
-from toonkit.estimation.reading import reading
+from toonkit.estimation.preparation import prepare
 from toonkit.metrics import color_rmse
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
@@ -165,7 +165,7 @@ def illumination_constraints(
 
 
 def _draw_scatter(axes: Axes, image: ToonImage, illumination: FloatArray, seed: int) -> None:
-    colors, values = reading(image).paint, illumination[image.mask]
+    colors, values = prepare(image).paint, illumination[image.mask]
     random = np.random.default_rng(seed)
     chosen = random.choice(len(colors), min(SCATTER_POINTS, len(colors)), replace=False)
     axes.scatter(
@@ -182,7 +182,7 @@ def _draw_scatter(axes: Axes, image: ToonImage, illumination: FloatArray, seed: 
 
 def _draw_ranks(axes: Axes, image: ToonImage, illumination: FloatArray) -> None:
     """Show the sorted colors behind the sorted illumination; a band's borders on it are the bounds of its interval."""
-    colors = reading(image).paint
+    colors = prepare(image).paint
     tones = tone(colors)
     order = np.argsort(tones, kind="stable")
     values = np.sort(illumination[image.mask])

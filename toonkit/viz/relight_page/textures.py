@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.reading import reading
+from toonkit.estimation.preparation import PreparedDrawing
 from toonkit.model.color_map import ColorMap
-from toonkit.model.image import ToonImage, nearest_object_pixel
+from toonkit.model.image import nearest_object_pixel
 from toonkit.model.light import light_angles
 from toonkit.model.normals import NormalField
 
@@ -77,7 +77,7 @@ def encode_textures(analysis: ToonAnalysis) -> RelightTextures:
         width=width,
         height=height,
         color=color.tobytes(),
-        paint=_paint_beneath(analysis.image, color),
+        paint=_paint_beneath(analysis.drawing, color),
         normals=_project(analysis.normals).astype("<f2").tobytes(),
         color_map=_map_samples(analysis.color_map).astype("<f4").tobytes(),
         domain=analysis.color_map.domain,
@@ -85,15 +85,15 @@ def encode_textures(analysis: ToonAnalysis) -> RelightTextures:
     )
 
 
-def _paint_beneath(image: ToonImage, color: NDArray[np.uint8]) -> bytes:
+def _paint_beneath(drawing: PreparedDrawing, color: NDArray[np.uint8]) -> bytes:
     """Encode a picture's colors (H, W, 4) without its line art."""
-    read = reading(image)
-    if read.line_art is None:
+    ink = drawing.line_art
+    if ink is None:
         return b""
     paint = color.copy()
     paint[..., 3] = 255
-    beneath = np.column_stack([read.line_art.beneath, 1.0 - read.line_art.coverage])
-    paint[read.inked_places] = np.round(beneath * 255)
+    beneath = np.column_stack([ink.beneath, 1.0 - ink.coverage])
+    paint[drawing.inked_places] = np.round(beneath * 255)
     return paint.tobytes()
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
 from toonkit.estimation.light_fit import estimate_light
+from toonkit.estimation.preparation import prepare
 from toonkit.metrics import angular_error
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
@@ -183,7 +184,7 @@ def _answer(method: str, contestant: Contestant | None, painting: Painting, ligh
     if contestant is None:
         return _failed(method, "this method is not installed here")
     try:
-        analysis = contestant.analyze(painting.image, light)
+        analysis = contestant.analyze(prepare(painting.image), light)
         return Answer(
             name=method,
             picture=contestant.picture(analysis).to_rgba(),

@@ -1,6 +1,6 @@
-"""The compiled pixel loops of the unit-field solver: one file, because a compiled cache does not see changes in another.
+"""Compiled pixel loops of `ChangeEnergy`: one file, because Numba invalidates a cache only when its own file changes.
 
-All of them work on the pixels first to last of a grid, so that bands of it can be done at once, and write to those alone.
+Each of them works on the pixels first to last of a grid and writes to those alone, so that bands can run in parallel.
 """
 
 from __future__ import annotations
@@ -9,13 +9,13 @@ import numpy as np
 from numba import njit
 
 LEAST_CURVATURE = 0.3
-"""Share of the pull's strength that its curvature has at least, so that a normal which looks the other way turns around."""
+"""Share of the pull's strength that its curvature has at least, so that a vector pulled the other way turns around."""
 
 
 @njit(inline="always")
 def _cell(field, p, beside, above, across, sx, sy):  # type: ignore[no-untyped-def]
     """
-    Return the integrability residual of a cell, and its gradient with respect to the normal of p.
+    Return the integrability residual of a cell, and its gradient with respect to the vector of p.
 
     `sx` and `sy` are half of -1 where the cell lies to the right of p, and above it; half of 1 elsewhere.
     """
@@ -35,18 +35,18 @@ def _cell(field, p, beside, above, across, sx, sy):  # type: ignore[no-untyped-d
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})
 def relax(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's step, compiled as a whole
-    neighbors, start, light, hold, target, lower, upper, weight, links, ties, change_weight, curl_weight, source,
+    neighbors, start, direction, hold, target, lower, upper, weight, links, ties, change_weight, curl_weight, source,
     field, backward, first, last,
 ):  # fmt: skip
     """
-    Turn one normal after the other to where its own energy is least, in place.
+    Turn one vector after the other to where its own energy is least, in place: a Gauss-Seidel sweep.
 
     One Newton step in the tangent plane, on the convex part of the energy's second derivatives; the interval counts if the
-    step would leave it. `source` (P, 3) is a linear term, `hold` and `target` (P,) a quadratic one that pulls L · n to the
-    target; empty where there is none.
+    step would leave it. `source` (P, 3) is a linear term; `hold` and `target` (P,) are a quadratic one that pulls the
+    component to its target. They are empty where there is none.
     """
     pulled, held = source.shape[0] > 0, hold.shape[0] > 0
-    lx, ly, lz = light
+    lx, ly, lz = direction
     for i in range(first, last):
         p = first + last - 1 - i if backward else i
         nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
@@ -106,26 +106,26 @@ def relax(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's step, 
         hbb = double * hbb + curvature
         ga = double * ca - (fx * ax + fy * ay + fz * az)
         gb = double * cb - (fx * bx + fy * by + fz * bz)
-        # The illumination: what holds it, then the interval if the step would leave it.
-        lit = lx * nx + ly * ny + lz * nz
+        # The component: what holds it, then the interval if the step would leave it.
+        component = lx * nx + ly * ny + lz * nz
         la = lx * ax + ly * ay + lz * az
         lb = lx * bx + ly * by + lz * bz
         if held:
             firm = 2.0 * hold[p]
-            ga += firm * (lit - target[p]) * la
-            gb += firm * (lit - target[p]) * lb
+            ga += firm * (component - target[p]) * la
+            gb += firm * (component - target[p]) * lb
             haa += firm * la * la
             hab += firm * la * lb
             hbb += firm * lb * lb
         scale = 1.0 / (haa * hbb - hab * hab)
         da = scale * (hab * gb - hbb * ga)
         db = scale * (hab * ga - haa * gb)
-        after = lit + la * da + lb * db
+        after = component + la * da + lb * db
         if after < lower[p] or after > upper[p]:
             bound = lower[p] if after < lower[p] else upper[p]
             firm = 2.0 * weight[p]
-            ga += firm * (lit - bound) * la
-            gb += firm * (lit - bound) * lb
+            ga += firm * (component - bound) * la
+            gb += firm * (component - bound) * lb
             haa += firm * la * la
             hab += firm * la * lb
             hbb += firm * lb * lb
@@ -143,17 +143,17 @@ def relax(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's step, 
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})
-def slope(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's share, compiled as a whole
-    neighbors, start, light, hold, target, lower, upper, weight, links, ties, change_weight, curl_weight, source,
+def value_and_gradient(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's share, compiled as a whole
+    neighbors, start, direction, hold, target, lower, upper, weight, links, ties, change_weight, curl_weight, source,
     field, out, first, last,
 ):  # fmt: skip
     """
-    Return the energy and write its gradient to `out` (P, 3), as far as the normals may follow it.
+    Return the energy and write its gradient to `out` (P, 3), as far as unit vectors with z >= 0 may follow it.
 
-    That is the part across each normal; one on the visible side's edge may not turn away.
+    That is the part across each vector; one with z = 0 may not turn away.
     """
     pulled, held = source.shape[0] > 0, hold.shape[0] > 0
-    lx, ly, lz = light
+    lx, ly, lz = direction
     energy = 0.0
     for p in range(first, last):
         nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
@@ -199,12 +199,12 @@ def slope(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's share,
                 gx += residual * cx
                 gy += residual * cy
                 gz += residual * cz
-        lit = lx * nx + ly * ny + lz * nz
-        excess = lit - min(max(lit, lower[p]), upper[p])
+        component = lx * nx + ly * ny + lz * nz
+        excess = component - min(max(component, lower[p]), upper[p])
         energy += weight[p] * excess * excess
         pull = 2.0 * weight[p] * excess
         if held:
-            away = lit - target[p]
+            away = component - target[p]
             energy += hold[p] * away * away
             pull += 2.0 * hold[p] * away
         gx += pull * lx
@@ -221,7 +221,7 @@ def slope(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's share,
 @njit(cache=True, nogil=True, error_model="numpy")
 def gather_blocks(  # type: ignore[no-untyped-def]
     parent,
-    light,
+    direction,
     field,
     gradient,
     hold,
@@ -240,20 +240,20 @@ def gather_blocks(  # type: ignore[no-untyped-def]
     """
     Sum over each block what a coarse grid needs to know of its pixels, into arrays that hold zeros.
 
-    An illumination outside its interval is held where it is, which sets the curvature right; the others may move within the
-    mean of their intervals.
+    A component outside its interval is held where it is, which keeps the curvature; the others may move within the mean of
+    their intervals.
     """
     held = hold.shape[0] > 0
     for p in range(first, last):
         block = parent[p]
-        lit = 0.0
+        component = 0.0
         for c in range(3):
             mean[block, c] += field[p, c]
             slopes[block, c] += gradient[p, c]
-            lit += light[c] * field[p, c]
+            component += direction[c] * field[p, c]
         if held:
             firm[block] += hold[p]
-        if lit < lower[p] or lit > upper[p]:
+        if component < lower[p] or component > upper[p]:
             firm[block] += weight[p]
         else:
             loose[block] += weight[p]
@@ -262,23 +262,23 @@ def gather_blocks(  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def finish_blocks(light, mean, low, high, loose, lit, first, last):  # type: ignore[no-untyped-def]
-    """Turn a block's sums into a unit vector, its illumination, and an interval that holds it."""
+def finish_blocks(direction, mean, low, high, loose, component, first, last):  # type: ignore[no-untyped-def]
+    """Turn a block's sums into a unit vector, its component, and an interval that contains it."""
     for p in range(first, last):
         _unit(mean[p, 0], mean[p, 1], mean[p, 2], mean, p)
-        lit[p] = light[0] * mean[p, 0] + light[1] * mean[p, 1] + light[2] * mean[p, 2]
+        component[p] = direction[0] * mean[p, 0] + direction[1] * mean[p, 1] + direction[2] * mean[p, 2]
         if loose[p] > 0.0:
             # Written out, for min and max take long to compile.
             lower, upper = low[p] / loose[p], high[p] / loose[p]
-            low[p] = lower if lower < lit[p] else lit[p]
-            high[p] = upper if upper > lit[p] else lit[p]
+            low[p] = lower if lower < component[p] else component[p]
+            high[p] = upper if upper > component[p] else component[p]
         else:
             low[p], high[p] = -1.0, 1.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _unit(x, y, z, out, p):  # type: ignore[no-untyped-def]
-    """Write the unit vector with z >= 0; a vanishing one faces the viewer."""
+    """Write the unit vector with z >= 0; a vanishing one becomes (0, 0, 1)."""
     z = z if z > 0.0 else 0.0
     norm = np.sqrt(x * x + y * y + z * z)
     if norm > 1e-12:
@@ -289,7 +289,7 @@ def _unit(x, y, z, out, p):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def retract(field, step, length, out, first, last):  # type: ignore[no-untyped-def]
-    """Write the unit normals of `field + length * step` to `out`, no normal looking away; it may be one of the two."""
+    """Write the unit vectors, z >= 0, of `field + length * step` to `out`, which may be one of the two."""
     for p in range(first, last):
         x = field[p, 0] + length * step[p, 0]
         y = field[p, 1] + length * step[p, 1]

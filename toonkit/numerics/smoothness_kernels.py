@@ -1,6 +1,6 @@
-"""The compiled pixel loops of `SmoothingProblem`: one file, because a compiled cache does not see changes in another.
+"""Compiled pixel loops of `SmoothnessEnergy`: one file, because Numba invalidates a cache only when its own file changes.
 
-All of them work on the pixels first to last of a grid, so that bands of it can be done at once, and write to those alone.
+Each of them works on the pixels first to last of a grid and writes to those alone, so that bands can run in parallel.
 """
 
 from __future__ import annotations
@@ -40,17 +40,17 @@ def laplacian(neighbors, links, field, out, first, last):  # type: ignore[no-unt
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})
 def relax_smooth(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's step, compiled as a whole
-    neighbors, links, areas, light, hold, target, lower, upper, weight, smoothness, source,
+    neighbors, links, areas, direction, hold, target, lower, upper, weight, smoothness, source,
     field, backward, first, last,
 ):  # fmt: skip
     """
     Turn one vector after the other to where its own energy is least, and somewhat beyond, in place.
 
     One Newton step in the tangent plane: the curvature of the Laplacian's square is alike in all directions, so that the
-    illumination's adds to it along one alone. The interval counts if the step would leave it.
+    interval's adds to it along one alone. The interval counts if the step would leave it.
     """
     pulled, held = source.shape[0] > 0, hold.shape[0] > 0
-    lx, ly, lz = light
+    lx, ly, lz = direction
     for i in range(first, last):
         p = first + last - 1 - i if backward else i
         nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
@@ -67,7 +67,7 @@ def relax_smooth(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's
                 gy += share * ty
                 gz += share * tz
                 stiffness += share * links[p, k]
-        # The pull: where the energy without the illumination would be least for a vector of any length.
+        # The pull: where the energy without the interval would be least for a vector of any length.
         double = 2.0 * smoothness
         fx = double * (stiffness * nx - gx)
         fy = double * (stiffness * ny - gy)
@@ -81,20 +81,20 @@ def relax_smooth(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's
         if curvature <= 0.0:
             curvature = 1e-12 * smoothness + 1e-300
         gx, gy, gz = along * nx - fx, along * ny - fy, along * nz - fz
-        # The illumination: what holds it, then the interval if the step would leave it.
-        lit = lx * nx + ly * ny + lz * nz
-        ax, ay, az = lx - lit * nx, ly - lit * ny, lz - lit * nz
+        # The component: what holds it, then the interval if the step would leave it.
+        component = lx * nx + ly * ny + lz * nz
+        ax, ay, az = lx - component * nx, ly - component * ny, lz - component * nz
         across = ax * ax + ay * ay + az * az
         down = ax * gx + ay * gy + az * gz
         firm = pull = 0.0
         if held:
             firm = 2.0 * hold[p]
-            pull = firm * (lit - target[p])
-        after = lit - (down + pull * across) / (curvature + firm * across)
+            pull = firm * (component - target[p])
+        after = component - (down + pull * across) / (curvature + firm * across)
         if after < lower[p] or after > upper[p]:
             bound = lower[p] if after < lower[p] else upper[p]
             firm += 2.0 * weight[p]
-            pull += 2.0 * weight[p] * (lit - bound)
+            pull += 2.0 * weight[p] * (component - bound)
         # (curvature + firm a aᵀ) step = -(g + pull a), by Sherman and Morrison.
         less = (pull * curvature - firm * down) / (curvature * (curvature + firm * across))
         nx -= RELAXATION * (gx / curvature + less * ax)
@@ -108,8 +108,8 @@ def relax_smooth(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})
-def slope_smooth(  # type: ignore[no-untyped-def]
-    neighbors, links, areas, light, hold, target, lower, upper, weight, smoothness, source,
+def smooth_value_and_gradient(  # type: ignore[no-untyped-def]
+    neighbors, links, areas, direction, hold, target, lower, upper, weight, smoothness, source,
     field, turns, out, first, last,
 ):  # fmt: skip
     """
@@ -118,7 +118,7 @@ def slope_smooth(  # type: ignore[no-untyped-def]
     That is the part across each vector; one on the visible side's edge may not turn away. `turns` (P, 3) is the Laplacian.
     """
     pulled, held = source.shape[0] > 0, hold.shape[0] > 0
-    lx, ly, lz = light
+    lx, ly, lz = direction
     energy = 0.0
     for p in range(first, last):
         nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
@@ -140,12 +140,12 @@ def slope_smooth(  # type: ignore[no-untyped-def]
             gx -= source[p, 0]
             gy -= source[p, 1]
             gz -= source[p, 2]
-        lit = lx * nx + ly * ny + lz * nz
-        excess = lit - min(max(lit, lower[p]), upper[p])
+        component = lx * nx + ly * ny + lz * nz
+        excess = component - min(max(component, lower[p]), upper[p])
         energy += weight[p] * excess * excess
         pull = 2.0 * weight[p] * excess
         if held:
-            away = lit - target[p]
+            away = component - target[p]
             energy += hold[p] * away * away
             pull += 2.0 * hold[p] * away
         gx += pull * lx

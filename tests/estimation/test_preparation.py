@@ -1,48 +1,70 @@
-"""What is read off a drawing once, and how long it is remembered."""
+"""A prepared drawing: derived once, passed on, and independent of what is around the object."""
 
-import gc
-import weakref
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tests.analytic import SOFT, TWO_TONE, blob_mask, ellipse, painted
-from toonkit import ToonImage, inflate
+from tests.analytic import LIGHT, SOFT, TWO_TONE, blob_mask, ellipse, painted
+from toonkit import (
+    METHODS,
+    ToonImage,
+    analyze,
+    fit_color_map,
+    illumination,
+    inflate,
+    light_direction,
+    relight,
+)
 from toonkit.estimation.painted_tones import FLAT, MIXING_REACH
-from toonkit.estimation.reading import REMEMBERED, reading
+from toonkit.estimation.preparation import prepare
 from toonkit.model.luminance import srgb_to_linear, tone
 
 
-def pictures(count: int) -> list[ToonImage]:
-    return [painted(ellipse(20 + k, 15).normals, SOFT) for k in range(count)]
+def soft_ball() -> ToonImage:
+    shape = ellipse(20, 15)
+    return painted(shape.normals, SOFT, alpha=shape.coverage)
 
 
-def test_a_picture_is_read_once():
-    (image,) = pictures(1)
-    assert reading(image) is reading(image)
-    assert reading(image).initial_normals is reading(image).initial_normals
+def test_what_is_derived_is_derived_once():
+    drawing = prepare(soft_ball())
+    assert drawing.initial_normals is drawing.initial_normals
+    assert drawing.tones is drawing.tones
+    assert prepare(drawing) is drawing
 
 
-def test_only_the_last_few_are_remembered():
-    several = pictures(REMEMBERED + 1)
-    readings = [reading(image) for image in several]
-    assert reading(several[-1]) is readings[-1]
-    assert reading(several[0]) is not readings[0]
+@pytest.mark.parametrize("method", list(METHODS))
+def test_an_analysis_keeps_the_prepared_drawing_and_another_light_reuses_it(method):
+    image = soft_ball()
+    analysis = analyze(image, LIGHT, method=method)
+    assert analysis.drawing.image is image
+    again = analyze(image, light_direction(60, 40), method=method, previous=analysis)
+    assert again.drawing is analysis.drawing
 
 
-def test_a_picture_that_is_gone_is_forgotten():
-    (image,) = pictures(1)
-    gone = weakref.ref(reading(image).tones)
-    del image
-    gc.collect()
-    assert gone() is None
+def test_another_picture_of_the_same_mask_is_prepared_anew():
+    first, second = soft_ball(), soft_ball()
+    analysis = analyze(second, LIGHT, previous=analyze(first, LIGHT))
+    assert analysis.drawing.image is second
+    assert replace(analysis, image=first).drawing.image is first
+
+
+def test_a_method_passes_a_prepared_drawing_on_wherever_a_picture_is_asked_for():
+    image = soft_ball()
+    drawing = prepare(image)
+    lit = illumination(drawing.initial_normals, LIGHT)
+    assert np.array_equal(fit_color_map(drawing, lit).colors, fit_color_map(image, lit).colors)
+    analysis = METHODS["lumo"](drawing, LIGHT)
+    assert analysis.drawing is drawing
+    assert analysis.image is image
+    assert np.array_equal(relight(analysis, LIGHT).color, image.color, equal_nan=True)
 
 
 def test_the_inflated_shape_is_that_of_the_silhouette():
     shape = ellipse(30, 20)
     image = painted(shape.normals, SOFT, alpha=shape.coverage)
     expected = inflate(image.mask, alpha=image.alpha)
-    assert np.array_equal(reading(image).initial_normals.vectors, expected.vectors, equal_nan=True)
+    assert np.array_equal(prepare(image).initial_normals.vectors, expected.vectors, equal_nan=True)
 
 
 def plain_by_hand(image: ToonImage) -> np.ndarray:
@@ -81,7 +103,7 @@ def softened_steps(seed):
 @pytest.mark.parametrize("seed", range(3))
 def test_plain_tones_are_those_found_pixel_by_pixel(seed):
     image = softened_steps(seed)
-    tones = reading(image).tones
+    tones = prepare(image).tones
     assert np.allclose(tones.plain, plain_by_hand(image), atol=1e-12)
     assert tones.mixed.any()
     assert (tones.darkest <= tones.tone).all()
@@ -90,7 +112,7 @@ def test_plain_tones_are_those_found_pixel_by_pixel(seed):
 
 def test_the_light_of_the_darkest_pixels_adds_up():
     image = painted(ellipse(30, 20).normals, TWO_TONE)
-    tones = reading(image).tones
+    tones = prepare(image).tones
     light = tones.ordered.of_darkest(np.arange(tones.tone.size + 1))
     assert light[0].tolist() == [0, 0, 0]
     # A mixed pixel counts for one of its bands, so the sum is that of the colors but for a few pixels in a thousand.
@@ -101,7 +123,7 @@ def test_the_light_of_the_darkest_pixels_adds_up():
 @pytest.mark.parametrize("seed", range(3))
 def test_the_light_in_order_is_that_of_sorted_pixels(seed):
     image = softened_steps(seed)
-    tones = reading(image).tones
+    tones = prepare(image).tones
     assert tones.mixed.any()
     grey = np.sort(srgb_to_linear(tones.plain))  # a grey's tone is its color
     for pixels in range(grey.size + 1):
@@ -111,7 +133,7 @@ def test_the_light_in_order_is_that_of_sorted_pixels(seed):
 def test_pixels_of_one_tone_share_their_light():
     red, green = (np.array(color) for color in ((0.5, 0.0, 0.0), (0.0, 0.27979, 0.0)))
     colors = np.where(np.indices((12, 12)).sum(axis=0)[..., None] % 2, red, green)
-    tones = reading(ToonImage(colors, np.ones((12, 12), bool))).tones
+    tones = prepare(ToonImage(colors, np.ones((12, 12), bool))).tones
     assert np.ptp(tones.tone) < 1e-5
     assert len(tones.ordered.counts) == 2
     for pixels in (1, 10, 144):

@@ -1,0 +1,140 @@
+"""Islands: parts of an object that do not touch, each cropped to its bounding box and analyzed as an object of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import find_objects, label
+
+from toonkit._validation import BoolArray, FloatArray
+from toonkit.estimation.silhouette import Silhouette, trace_silhouette
+from toonkit.numerics.masked_grid import STEPS, IndexArray, MaskedGrid
+
+LEAST_PIXELS = 64
+"""Pixels of an island that is analyzed by itself. Smaller ones, such as the dots of a dithered drawing, form one object."""
+
+MOST = 100
+"""Islands that are analyzed by themselves, at most: the largest ones."""
+
+Box = tuple[slice, slice]
+"""Rows and columns."""
+
+
+@dataclass(frozen=True, eq=False)
+class Island:
+    """
+    A part of an object that touches no other, on its bounding box.
+
+    Attributes
+    ----------
+    grid : MaskedGrid
+        Its pixels.
+    coverage : ndarray, shape (h + 2, w + 2)
+        Alpha of the box and of the pixels around it.
+    pixels : ndarray of int, shape (p,), or slice
+        Which of the whole object's pixels they are, in the same order.
+    """
+
+    grid: MaskedGrid
+    coverage: FloatArray
+    pixels: IndexArray | slice
+
+    @cached_property
+    def silhouette(self) -> Silhouette:
+        """The outline, between the pixels."""
+        return trace_silhouette(self.grid, self.coverage)
+
+
+def bounding_box(mask: BoolArray) -> Box:
+    """Return the rows and columns that the True pixels of a mask (H, W) span; there is at least one."""
+    rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
+
+
+def with_surroundings(image: NDArray[Any], box: Box) -> NDArray[Any]:
+    """Return an image (H, W) on a box and the pixels around it, (h + 2, w + 2); zero beyond the picture."""
+    framed = np.zeros([side.stop - side.start + 2 for side in box], image.dtype)
+    inner = [slice(max(side.start - 1, 0), side.stop + 1) for side in box]
+    taken = image[inner[0], inner[1]]
+    down, along = (int(side.start == 0) for side in box)
+    framed[down : down + taken.shape[0], along : along + taken.shape[1]] = taken
+    return framed
+
+
+def islands_of(mask: BoolArray, coverage: FloatArray) -> tuple[Island, ...]:
+    """Crop the object of a picture to its bounding box and split it; mask and coverage are of shape (H, W)."""
+    box = bounding_box(mask)
+    return find_islands(MaskedGrid(np.ascontiguousarray(mask[box])), with_surroundings(coverage, box))
+
+
+def join(islands: tuple[Island, ...], fields: Sequence[FloatArray]) -> FloatArray:
+    """Put fields (p, ...) of an object's islands together to one of the whole object, (P, ...)."""
+    if len(fields) == 1:
+        return fields[0]
+    whole = np.empty((sum(map(len, fields)), *fields[0].shape[1:]))
+    for island, field in zip(islands, fields, strict=True):
+        whole[island.pixels] = field
+    return whole
+
+
+def find_islands(grid: MaskedGrid, coverage: FloatArray) -> tuple[Island, ...]:
+    """
+    Split an object into islands.
+
+    Parameters
+    ----------
+    grid : MaskedGrid
+        The object on its bounding box.
+    coverage : ndarray, shape (H + 2, W + 2)
+        Alpha of the box and of the pixels around it.
+
+    Returns
+    -------
+    tuple of Island
+        In row-major order of their first pixels; pixels that touch at a corner are on one island. The last one may be all
+        that is too small to be analyzed by itself.
+    """
+    labels, count = label(grid.mask, np.ones((3, 3), np.bool_))
+    if count == 1:
+        return (Island(grid, coverage, slice(None)),)
+    areas = np.bincount(labels.ravel(), minlength=count + 1)
+    areas[0] = 0
+    alone = np.flatnonzero(areas >= LEAST_PIXELS)
+    if len(alone) > MOST:
+        alone = np.sort(alone[np.argsort(-areas[alone], kind="stable")[:MOST]])
+    boxes = find_objects(labels)
+    parts = [(boxes[number - 1], labels[boxes[number - 1]] == number) for number in alone]
+    rest = grid.mask & ~np.isin(labels, alone)
+    if rest.any():
+        box = bounding_box(rest)
+        parts.append((box, rest[box]))
+    return tuple(
+        Island(
+            MaskedGrid(mask),
+            coverage[rows.start : rows.stop + 2, columns.start : columns.stop + 2],
+            grid.index[rows, columns][mask],
+        )
+        for (rows, columns), mask in parts
+    )
+
+
+def rim_pixels(islands: tuple[Island, ...], size: int) -> NDArray[np.intp] | None:
+    """
+    Return the pixels of an object, of so many, that lie on its silhouette; None if that does not face all four ways.
+
+    A silhouette that the frame cuts off on one side may hide what the object shows there.
+    """
+    facing = np.unique(np.concatenate([island.silhouette.directions for island in islands]))
+    if len(facing) < len(STEPS):
+        return None
+    chosen = np.zeros(size, np.bool_)
+    for island in islands:
+        own = np.zeros(island.grid.size, np.bool_)
+        own[island.silhouette.pixels] = True
+        chosen[island.pixels] = own
+    return np.flatnonzero(chosen)
