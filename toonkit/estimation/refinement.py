@@ -33,7 +33,7 @@ Progress = Callable[[float], None]
 NEGLIGIBLE = 1.5e-5
 """Squared illumination, a step of an 8-bit picture: a cycle that gains less than this per pixel is the last."""
 
-PRINTED_RELAXATION, PRINTED_SWEEPS, PRINTED_TOLERANCE = 1.5, 500, 1e-5
+SWEEP_RELAXATION, MAX_SWEEPS, SWEEP_TOLERANCE = 1.5, 500, 1e-5
 """How the paper's solver runs: over-relaxation factor, sweeps allowed, and the relative decrease of the energy in one sweep
 at which it stops."""
 
@@ -183,9 +183,9 @@ def refine_as_printed(
     *,
     rho: float,
     smoothness: float,
-    relaxation: float = PRINTED_RELAXATION,
-    max_sweeps: int = PRINTED_SWEEPS,
-    tolerance: float = PRINTED_TOLERANCE,
+    relaxation: float = SWEEP_RELAXATION,
+    max_sweeps: int = MAX_SWEEPS,
+    tolerance: float = SWEEP_TOLERANCE,
     progress: Progress | None = None,
 ) -> Refinement:
     """
