@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 import trimesh
 
@@ -97,6 +99,24 @@ def test_a_file_of_ones_own_adds_methods_and_shapes(extension, tmp_path, capsys,
     assert table.loc["mine", "angular_error"] == table.loc["lumo", "angular_error"]
 
 
+def test_a_changed_file_of_ones_own_is_measured_again(extension, tmp_path, capsys):
+    command = ["study", "run", "-o", str(tmp_path / "study"), "--with", extension, "--shapes", "sphere"]
+    command += [*SMALL, "--methods", "mine", "lumo"]
+    assert main(command) == 0
+    before = load_trials(tmp_path / "study").set_index("method")["angular_error"]
+    Path(extension).write_text(EXTENSION.replace('METHODS["lumo"]', 'METHODS["lambert"]'))
+    assert main(command) == 0
+    after = load_trials(tmp_path / "study").set_index("method")["angular_error"]
+    assert (after["mine"] != before["mine"]).all()
+    assert (after["lumo"] == before["lumo"]).all()
+
+
+def test_a_method_is_measured_again_on_demand(tmp_path):
+    command = ["study", "run", "-o", str(tmp_path), "--shapes", "sphere", "--methods", "lumo", "flat", *SMALL]
+    assert main(command) == main([*command, "--again", "lumo"]) == 0
+    assert [run["trials"] for run in load_provenance(tmp_path)["runs"]] == [4, 2]
+
+
 def test_what_failed_is_told_with_what_to_do(extension, tmp_path, capsys):
     command = [
         "study",
@@ -134,6 +154,7 @@ def test_the_list_names_everything(capsys):
         (["run", "-o", "{}", "--workers", "1", "--scheduler", "tcp://a:1"], "not allowed with"),
         (["run", "-o", "{}", "--tracks", "guessed"], "light_tracks must"),
         (["run", "-o", "{}", "--with", "nothing.py"], "--with must be a Python file"),
+        (["run", "-o", "{}", "--methods", "flat", "--again", "lumo"], "again must be among the plan's flat"),
         (["report", "{}"], "toonkit study run"),
         (["report", "{}/nothing"], "toonkit study run"),
     ],

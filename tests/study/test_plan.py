@@ -8,7 +8,6 @@ import trimesh
 from toonkit import METHODS, ColorMap, ToonkitError
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.plan import plan_study
-from toonkit.study.shapes import SHAPES
 from toonkit.study.subjects import MeshShape
 
 BALL = MeshShape("ball", trimesh.creation.icosphere(subdivisions=1))
@@ -56,6 +55,7 @@ def test_both_light_tracks_double_the_trials():
         ({"light_tracks": ["guessed"]}, "light_tracks"),
         ({"light_tracks": []}, "light_tracks"),
         ({"meshes": [BALL, BALL]}, "meshes"),
+        ({"method_files": {"lumo": "nowhere.py"}}, "method_files"),
         ({"color_maps": {"terracotta": ColorMap([[0, 0, 0], [1, 1, 1]])}}, "color_maps"),
     ],
 )
@@ -64,15 +64,28 @@ def test_what_cannot_be_planned_is_refused(wrong, argument):
         plan_study(**wrong)
 
 
-def test_a_digest_follows_what_it_stands_for(monkeypatch):
-    def mine(image, light, *, progress=None):
-        return METHODS["lumo"](image, light)
+def test_a_plan_has_a_digest_of_each_of_its_parts():
+    digests = plan_study(shapes=["cat"], methods=["lumo", "flat"]).digests()
+    assert set(digests["shape"]) == {"cat"}
+    assert len(set(digests["color_map"].values())) == len(load_color_maps())
+    assert digests["method_file"] == {"lumo": None, "flat": None}
+    assert set(digests["weights"]) == {"shape_prior", "light_prior"}
 
+
+def test_a_method_depends_on_the_file_that_is_named_for_it(tmp_path):
+    file = tmp_path / "mine.py"
+
+    def method_files(text):
+        file.write_text(text)
+        files = {"lumo": file, "not in this plan": tmp_path / "nowhere.py"}
+        return plan_study(methods=["lumo", "flat"], method_files=files).digests()["method_file"]
+
+    before, after = method_files("x = 1"), method_files("x = 2")
+    assert before["lumo"] != after["lumo"]
+    assert before["flat"] is after["flat"] is None
+
+
+def test_other_code_of_a_method_is_not_noticed(monkeypatch):
     before = plan_study(shapes=["cat"]).digests()
-    monkeypatch.setitem(METHODS, "lumo", mine)
-    after = plan_study(shapes=["cat"]).digests()
-    assert before["shape"] == after["shape"]
-    assert before["color_map"] == after["color_map"]
-    assert {name for name in METHODS if before["method"][name] != after["method"][name]} == {"lumo"}
-    assert len(set(before["color_map"].values())) == len(load_color_maps())
-    assert SHAPES.keys() >= before["shape"].keys()
+    monkeypatch.setitem(METHODS, "lumo", METHODS["lambert"])
+    assert plan_study(shapes=["cat"]).digests() == before

@@ -17,7 +17,7 @@ from toonkit.study.reporting.tables import best_methods, extremes, refinements, 
 from toonkit.study.reporting.text import report_text, sweeps_text
 
 PROVENANCE = {
-    "code": "f00d",
+    "digests": {"weights": {"light_prior": "f00dfacedead" + 52 * "0", "shape_prior": 64 * "1"}},
     "settings": {"size": 64, "light": [129, 50], "new_lights": [[0, 25], [90, 60]]},
     "refinement_as_printed": {"relaxation": 1.5, "max_sweeps": 500, "tolerance": 1e-5},
     "runs": [
@@ -181,7 +181,9 @@ def test_provenance_tells_size_lights_versions_sweeps_and_time(text):
     assert "azimuth 129°, elevation 50°" in section
     assert "azimuth 90°, elevation 60°" in section
     assert "max sweeps 500" in section
-    assert cells_of(section, "digest of the code") == ["f00d"]
+    assert cells_of(section, "digests of the weights") == [
+        "light_prior f00dfacedead, shape_prior 111111111111"
+    ]
     runs = [cells_of(section, f"run {number}")[0] for number in (1, 2, 3)]
     assert "2,000 trials in 1 h 1 min" in runs[0]
     assert "commit abc123; a fast one, 2 cores, Linux; python 3.11, dask 2026.1" in runs[0]

@@ -100,33 +100,57 @@ def test_a_study_in_pieces_is_the_study(tmp_path, undisturbed):
     assert load_provenance(tmp_path)["methods"] == ["flat", "toonkit", "lumo"]
 
 
-def test_a_method_that_was_changed_is_measured_again(tmp_path, monkeypatch):
-    small = {"shapes": ["sphere"], "color_maps": MAPS[:1]}
+def test_a_method_is_measured_again_if_that_is_asked_for(tmp_path, monkeypatch):
+    small = {"shapes": ["sphere"], "color_maps": MAPS[:1], "methods": ["mine", "flat"]}
     monkeypatch.setitem(METHODS, "mine", METHODS["lumo"])
-    first = run_study(plan(**small, methods=["mine", "flat"]), tmp_path, workers=0)
+    first = run_study(plan(**small), tmp_path, workers=0)
     kept = {path: path.stat().st_mtime_ns for path in records(tmp_path)}
-
-    def other(image, light, *, progress=None):
-        return METHODS["lambert"](image, light)
-
-    monkeypatch.setitem(METHODS, "mine", other)
-    second = run_study(plan(**small, methods=["mine", "flat"]), tmp_path, workers=0)
+    monkeypatch.setitem(METHODS, "mine", METHODS["lambert"])
+    pd.testing.assert_frame_equal(run_study(plan(**small), tmp_path, workers=0), first)
+    second = run_study(plan(**small), tmp_path, workers=0, again=["mine"])
     written = {path.stem.split("--")[2] for path, at in kept.items() if path.stat().st_mtime_ns != at}
     assert written == {"mine"}
     errors = [table.set_index("method").loc["mine", "angular_error"] for table in (first, second)]
     assert errors[0] != errors[1]
 
 
-def test_the_table_never_mixes_two_versions_of_a_method(tmp_path, monkeypatch):
-    monkeypatch.setitem(METHODS, "mine", METHODS["lumo"])
-    both = {"color_maps": MAPS[:1], "methods": ["mine", "flat"]}
+def test_a_table_never_mixes_old_and_new_records_of_a_method_measured_again(tmp_path):
+    both = {"color_maps": MAPS[:1], "methods": ["lumo", "flat"]}
     assert len(run_study(plan(**both), tmp_path, workers=0)) == 4
-    monkeypatch.setitem(METHODS, "mine", METHODS["lambert"])
-    table = run_study(plan(**both, shapes=["sphere"]), tmp_path, workers=0)
+    table = run_study(plan(**both, shapes=["sphere"]), tmp_path, workers=0, again=["lumo"])
     pd.testing.assert_frame_equal(load_trials(tmp_path), table)
     left = set(zip(table["shape"], table["method"], strict=True))
-    assert left == {("sphere", "mine"), ("sphere", "flat"), ("torus", "flat")}
+    assert left == {("sphere", "lumo"), ("sphere", "flat"), ("torus", "flat")}
     assert len(run_study(plan(**both), tmp_path, workers=0)) == 4
+
+
+def test_a_method_to_measure_again_is_one_of_the_plan(tmp_path):
+    with pytest.raises(ToonkitError, match="again must be among the plan's lumo, toonkit, flat"):
+        run_study(plan(), tmp_path, workers=0, again=["todo"])
+
+
+def test_a_method_of_a_changed_file_is_measured_again(tmp_path, monkeypatch):
+    file = tmp_path / "mine.py"
+    monkeypatch.setitem(METHODS, "mine", METHODS["lumo"])
+
+    def measured(text):
+        """How many trials a run measures if this is the file of a method of one's own."""
+        file.write_text(text)
+        small = plan(shapes=["sphere"], methods=["mine", "flat"], method_files={"mine": file})
+        seen: list[StudyProgress] = []
+        run_study(small, tmp_path / "study", workers=0, progress=seen.append)
+        return seen[0].total - seen[0].done
+
+    assert [measured(text) for text in ("x = 1", "x = 1", "x = 2")] == [6, 0, 3]
+
+
+def test_a_method_of_a_file_does_not_pass_for_the_one_of_toonkit(tmp_path):
+    small = {"shapes": ["sphere"], "color_maps": MAPS[:1], "methods": ["lumo"]}
+    (tmp_path / "mine.py").write_text("")
+    run_study(plan(**small, method_files={"lumo": tmp_path / "mine.py"}), tmp_path / "study", workers=0)
+    seen: list[StudyProgress] = []
+    run_study(plan(**small), tmp_path / "study", workers=0, progress=seen.append)
+    assert seen[0].done == 0
 
 
 def test_a_study_that_was_killed_shows_what_is_on_file(tmp_path):
@@ -151,7 +175,6 @@ def test_a_failure_is_measured_again_only_if_that_is_asked_for(tmp_path, monkeyp
         attempts.append(light)
         return failing(image, light) if len(attempts) == 1 else METHODS["lumo"](image, light)
 
-    monkeypatch.setattr("toonkit.study.plan.method_digest", lambda method: "mine")
     monkeypatch.setitem(METHODS, "mine", now_and_then)
     assert (run_study(plan(**small), tmp_path, workers=0)["error"] == "MemoryError: just now").all()
     attempts[:] = attempts[-1:]
@@ -169,14 +192,19 @@ def test_a_folder_serves_one_run_at_a_time(tmp_path):
     )
 
 
-def test_a_folder_of_other_settings_or_other_code_is_refused(tmp_path, monkeypatch):
+def test_a_folder_of_other_settings_is_refused(tmp_path):
     small = {"shapes": ["sphere"], "color_maps": MAPS[:1], "methods": ["flat"]}
     run_study(plan(**small), tmp_path, workers=0)
     with pytest.raises(ToonkitError, match="same size and lights"):
         run_study(plan(**small, settings=StudySettings(size=32)), tmp_path, workers=0)
-    monkeypatch.setattr("toonkit.study.provenance.CODE", "another")
-    with pytest.raises(ToonkitError, match="this very code"):
-        run_study(plan(**small), tmp_path, workers=0)
+
+
+def test_another_version_of_toonkit_measures_its_own_records(tmp_path, monkeypatch):
+    small = {"shapes": ["sphere"], "color_maps": MAPS[:1], "methods": ["flat"]}
+    run_study(plan(**small), tmp_path, workers=0)
+    monkeypatch.setattr(toonkit, "__version__", "another")
+    table = run_study(plan(**small), tmp_path, workers=0)
+    assert table["toonkit"].tolist() == ["another"]
 
 
 def test_a_shape_that_cannot_be_rendered_fails_in_all_its_trials(tmp_path, monkeypatch):
@@ -271,10 +299,10 @@ def test_cells_that_find_no_worker_are_not_waited_for(monkeypatch):
     assert list(cluster._as_they_come({NeverDone(): cell}, Deserted())) == []
 
 
-def test_workers_with_other_code_are_refused(tmp_path, monkeypatch):
-    old = cells.Cell.of(plan().cells()[0], plan())
-    with pytest.raises(ToonkitError, match="this very toonkit"):
-        cells.measure(ToonkitError("not looked at"), replace(old, code="another"))
+def test_a_batch_for_another_toonkit_is_refused():
+    other = replace(cells.Cell.of(plan().cells()[0], plan()), toonkit="version 0.0")
+    with pytest.raises(ToonkitError, match=r"workers must have toonkit version 0\.0; got version"):
+        cells.measure(ToonkitError("not looked at"), other)
 
 
 @pytest.fixture
@@ -309,6 +337,23 @@ def test_two_processes_joined_to_a_scheduler_give_the_same_table(tmp_path, undis
         run_study(plan(), tmp_path / "lost", scheduler=address, progress=kill)
     assert 4 <= len(records(tmp_path / "lost")) < TRIALS
     assert_same(run_study(plan(), tmp_path / "lost", workers=0), undisturbed)
+
+
+class Mixed:
+    """A client of a scheduler that has two workers: one with this toonkit, one with another."""
+
+    def wait_for_workers(self, count, *, timeout) -> None:
+        pass
+
+    def run(self, function) -> dict[str, str]:
+        return {"tcp://a:1": function(), "tcp://b:2": "version 0.0"}
+
+
+def test_workers_with_another_toonkit_are_refused():
+    with pytest.raises(
+        ToonkitError, match=r"scheduler must have workers with toonkit .* got tcp://b:2 with version 0\.0"
+    ):
+        cluster._refuse_other_toonkit(Mixed(), "tcp://c:3")
 
 
 def test_a_scheduler_that_nobody_works_for_is_refused(tmp_path, monkeypatch):

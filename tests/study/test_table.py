@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pandas as pd
 import pytest
 
@@ -24,13 +22,13 @@ TRIALS = [Trial(shape, "plum", method, "given") for shape in ("b", "a") for meth
 DIGESTS = {
     "shape": {"a": "1", "b": "2"},
     "color_map": {"plum": "3"},
-    "method": {"todo": "4", "mine": "5"},
-    "light_track": {"given": "", "estimated": "6"},
+    "method_file": {"todo": None, "toonkit": None, "mine": "4"},
+    "weights": {"light_prior": "5", "shape_prior": "6"},
 }
 
 
 def sidecar(**changes):
-    return {"code": "1", "settings": {"size": 32}, "digests": DIGESTS, **changes}
+    return {"toonkit": "1.0", "settings": {"size": 32}, "digests": DIGESTS, **changes}
 
 
 def records() -> list[Record]:
@@ -80,29 +78,55 @@ def test_records_read_back_as_they_were_saved(tmp_path):
     pd.testing.assert_frame_equal(as_table(store.records()), as_table(records()))
 
 
-def test_a_record_of_another_method_color_map_or_shape_is_not_current(tmp_path):
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"digests": {**DIGESTS, "shape": {**DIGESTS["shape"], "b": "another"}}},
+        {"digests": {**DIGESTS, "color_map": {"plum": "another"}}},
+        {"digests": {**DIGESTS, "method_file": {"todo": "a user's own"}}},
+        {"toonkit": "2.0"},
+        {"settings": {"size": 33}},
+    ],
+)
+def test_a_record_of_other_inputs_is_not_current(changes, tmp_path):
     trial = TRIALS[0]
     RecordStore(tmp_path, sidecar()).save(trial, records()[0])
-    for group, name in (("shape", "b"), ("color_map", "plum"), ("method", "todo")):
-        changed = {**DIGESTS, group: {**DIGESTS[group], name: "another"}}
-        assert not RecordStore(tmp_path, sidecar(digests=changed)).is_done(trial)
-        assert RecordStore(tmp_path, sidecar(digests=changed)).records() == []
-        assert RecordStore(tmp_path, sidecar(digests=changed)).outdated() == 1
-    for other in ({"code": "2"}, {"settings": {"size": 33}}):
-        assert not RecordStore(tmp_path, sidecar(**other)).is_done(trial)
+    changed = RecordStore(tmp_path, sidecar(**changes))
+    assert not changed.is_done(trial)
+    assert changed.records() == []
     assert RecordStore(tmp_path, sidecar()).is_done(trial)
 
 
-def test_other_ways_to_estimate_the_light_change_the_trials_that_estimate_it(tmp_path):
-    given = TRIALS[0]
-    estimated = replace(given, light_track="estimated")
+@pytest.mark.parametrize(
+    ("network", "depending"),
+    [
+        ("shape_prior", {"toonkit given", "mine given"}),
+        ("light_prior", {"mine given"}),
+    ],
+)
+def test_other_weights_change_the_trials_that_use_them(network, depending, tmp_path):
+    trials = [
+        Trial("a", "plum", method, track)
+        for method in ("toonkit", "todo", "mine")
+        for track in ("given", "estimated")
+    ]
     store = RecordStore(tmp_path, sidecar())
-    for trial in (given, estimated):
-        store.save(trial, unmeasured(trial, "mesh", StudySettings(size=32), error=""))
-    changed = {**DIGESTS, "light_track": {"given": "", "estimated": "another"}}
-    other = RecordStore(tmp_path, sidecar(digests=changed))
-    assert [store.is_done(trial) for trial in (given, estimated)] == [True, True]
-    assert [other.is_done(trial) for trial in (given, estimated)] == [True, False]
+    for trial in trials:
+        store.save(trial, unmeasured(trial, "mesh", StudySettings(size=32)))
+    assert all(store.is_done(trial) for trial in trials)
+    weights = {**DIGESTS["weights"], network: "another"}
+    changed = RecordStore(tmp_path, sidecar(digests={**DIGESTS, "weights": weights}))
+    measured_anew = {f"{trial.method} {trial.light_track}" for trial in trials if not changed.is_done(trial)}
+    assert measured_anew == depending | {"toonkit estimated", "todo estimated", "mine estimated"}
+
+
+def test_only_the_records_of_the_methods_named_are_forgotten(tmp_path):
+    store = RecordStore(tmp_path, sidecar())
+    for trial, record in zip(TRIALS, records(), strict=True):
+        store.save(trial, record)
+    store.forget(["mine"])
+    assert {record.method for record in store.records()} == {"todo"}
+    assert [store.is_done(trial) for trial in TRIALS] == [trial.method == "todo" for trial in TRIALS]
 
 
 def test_a_trial_whose_worker_was_lost_is_tried_again(tmp_path):

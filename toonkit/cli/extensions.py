@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import importlib.util
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 from toonkit._validation import refuse
+from toonkit.methods import METHODS
 
 
-def load_extension(file: str) -> None:
+def load_extension(file: str) -> list[str]:
     """
     Run a Python file, so that what it registers is known.
 
@@ -17,6 +19,11 @@ def load_extension(file: str) -> None:
     ----------
     file : str
         The file. Its functions travel to workers by value: they need not have it.
+
+    Returns
+    -------
+    list of str
+        The methods that the file registered or replaced in `toonkit.METHODS`.
 
     Raises
     ------
@@ -32,14 +39,15 @@ def load_extension(file: str) -> None:
         raise refuse("--with", "must be a Python file, ending in .py", file)
     module = importlib.util.module_from_spec(specification)
     sys.modules[name] = module
+    before = dict(METHODS)
     try:
         specification.loader.exec_module(module)
     except Exception as error:  # whatever the file does wrong
         raise refuse(
             "--with", "must run without an error", f"{file} ({type(error).__name__}: {error})"
         ) from error
-    try:
+    with suppress(ImportError):  # without dask nothing travels
         import cloudpickle  # noqa: PLC0415
-    except ImportError:  # without dask nothing travels
-        return
-    cloudpickle.register_pickle_by_value(module)
+
+        cloudpickle.register_pickle_by_value(module)
+    return [method for method, function in METHODS.items() if before.get(method) is not function]

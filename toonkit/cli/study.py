@@ -31,7 +31,7 @@ def add_study_commands(commands: Any) -> None:
     """Add `study` and what it can do to the parser's commands."""
     study = commands.add_parser("study", help="measure every method on shapes whose normals are known")
     actions = study.add_subparsers(required=True, metavar="ACTION", title="actions")
-    _add_run(actions.add_parser("run", help="run the trials that are not on file yet"))
+    _add_run(actions.add_parser("run", help="run the trials that are not on file with the same inputs"))
 
     report = actions.add_parser("report", help="print the tables of a study and write its figures")
     report.add_argument(
@@ -97,6 +97,14 @@ def _add_run(run: argparse.ArgumentParser) -> None:
     run.add_argument(
         "--retry-failed", action="store_true", help="measure trials again that are on file with an error"
     )
+    run.add_argument(
+        "--again",
+        nargs="+",
+        default=[],
+        metavar="METHOD",
+        help="delete all records of these methods and measure them again: needed after a change of toonkit's own code, which"
+        " is not detected; a changed --with FILE.py is",
+    )
     where = run.add_mutually_exclusive_group()
     where.add_argument(
         "--workers",
@@ -133,9 +141,8 @@ def _run(arguments: argparse.Namespace) -> int:
     from toonkit.study.runner import run_study  # noqa: PLC0415
     from toonkit.study.table import TABLE_NAME  # noqa: PLC0415
 
-    for file in arguments.extensions:
-        load_extension(file)
-    plan = _plan(arguments)
+    method_files = {method: file for file in arguments.extensions for method in load_extension(file)}
+    plan = _plan(arguments, method_files)
     # A lost scheduler is told in one line: dask's own stack traces say no more.
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     try:
@@ -146,10 +153,12 @@ def _run(arguments: argparse.Namespace) -> int:
                 workers=arguments.workers,
                 scheduler=arguments.scheduler,
                 retry_failed=arguments.retry_failed,
+                again=arguments.again,
                 progress=bar,
             )
     except KeyboardInterrupt:
-        print("what was measured is on file: the same command goes on from there", file=sys.stderr)
+        command = "the same command without --again" if arguments.again else "the same command"
+        print(f"what was measured is on file: {command} goes on from there", file=sys.stderr)
         raise
     errors = table.loc[table["error"] != "", "error"]
     if not arguments.quiet:
@@ -164,7 +173,7 @@ def _run(arguments: argparse.Namespace) -> int:
     return _EXIT_FAILED if len(errors) else 0
 
 
-def _plan(arguments: argparse.Namespace) -> StudyPlan:
+def _plan(arguments: argparse.Namespace, method_files: dict[str, str]) -> StudyPlan:
     from toonkit.study.plan import plan_study  # noqa: PLC0415
     from toonkit.study.subjects import load_mesh  # noqa: PLC0415
     from toonkit.study.trials import StudySettings  # noqa: PLC0415
@@ -185,6 +194,7 @@ def _plan(arguments: argparse.Namespace) -> StudyPlan:
         methods=arguments.methods,
         light_tracks=arguments.tracks,
         settings=settings,
+        method_files=method_files,
     )
 
 

@@ -16,8 +16,8 @@ from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
 from toonkit.model.light import light_direction
 from toonkit.study.contestants import Contestant
-from toonkit.study.digests import EVERYTHING
 from toonkit.study.plan import StudyPlan
+from toonkit.study.provenance import installed_toonkit
 from toonkit.study.rendering import RenderedShape
 from toonkit.study.subjects import Subject, render
 from toonkit.study.trials import Record, StudySettings, Trial, paint, run_trial, unmeasured
@@ -43,8 +43,8 @@ class Cell:
         Contestants by name.
     settings : StudySettings
         Size and lights.
-    code : str
-        Digest of the code that is to measure.
+    toonkit : str or None
+        Which toonkit is to measure, as told by `installed_toonkit`; None if this machine measures.
     subject : Shape or MeshShape, or None
         What is to be rendered first.
     """
@@ -54,7 +54,7 @@ class Cell:
     color_map: ColorMap
     methods: dict[str, Contestant]
     settings: StudySettings
-    code: str = EVERYTHING
+    toonkit: str | None = None
     subject: Subject | None = None
 
     @classmethod
@@ -101,10 +101,10 @@ def rendered_or_error(subject: Subject | None, size: int) -> Truth:
 
 
 def measure(truth: Truth, cell: Cell) -> list[Record]:
-    """Run the trials of a cell, on whatever machine; raises `ToonkitError` if that has other code."""
-    if cell.code != EVERYTHING:
+    """Run the trials of a cell, on whatever machine; raises `ToonkitError` if that has another toonkit."""
+    if cell.toonkit is not None and cell.toonkit != installed_toonkit():
         raise ToonkitError(
-            "workers must have this very toonkit; got another: install it there and start them anew"
+            f"workers must have toonkit {cell.toonkit}; got {installed_toonkit()}: install it there and restart them"
         )
     if not isinstance(truth, RenderedShape):
         return cell.failed(f"{type(truth).__name__}: {truth}")

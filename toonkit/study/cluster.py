@@ -17,7 +17,7 @@ from typing import Any
 
 from toonkit._validation import ToonkitError, refuse
 from toonkit.study.cells import Cell, Outcome, measure, rendered_or_error
-from toonkit.study.digests import EVERYTHING
+from toonkit.study.provenance import installed_toonkit
 from toonkit.study.record_store import LOST
 from toonkit.study.trials import Record
 
@@ -59,6 +59,9 @@ def measured_there(
     A cell whose worker died, or that found none, is measured again on this machine, each trial in a process of its own: so
     only a trial that ends its process fails, and neither its rivals nor cells that were near.
     """
+    if scheduler is not None:
+        # Workers that join later are checked as well: each batch says which toonkit may measure it.
+        cells = [replace(cell, toonkit=installed_toonkit()) for cell in cells]
     with _cluster(workers, scheduler, len(cells)) as client:
         suspects: list[Cell] = []
         yield from _all_at_once(cells, client, suspects)
@@ -90,7 +93,7 @@ def _cluster(workers: int | None, scheduler: str | None, cells: int) -> Iterator
     except (OSError, ValueError, TimeoutError) as error:
         raise refuse("scheduler", "must be the address of a running dask scheduler", scheduler) from error
     with client:
-        _refuse_other_code(client, scheduler)
+        _refuse_other_toonkit(client, scheduler)
         yield client
 
 
@@ -107,26 +110,24 @@ def _ignoring_interrupts() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-def _refuse_other_code(client: Any, scheduler: str) -> None:
+def _refuse_other_toonkit(client: Any, scheduler: str) -> None:
     with suppress(TimeoutError):  # workers that were started a moment ago are still on their way
         client.wait_for_workers(1, timeout=NO_WORKER_SECONDS)
     try:
-        codes = client.run(_code)
+        found = client.run(installed_toonkit)
     except Exception as error:  # whatever a worker says that has no toonkit, or another
         raise refuse(
-            "scheduler", "must have workers with this very toonkit", f"{scheduler} ({error})"
+            "scheduler", f"must have workers with toonkit {installed_toonkit()}", f"{scheduler} ({error})"
         ) from error
-    if not codes:
+    if not found:
         raise refuse(
             "scheduler", "must have workers", f"{scheduler} without any: start `dask worker {scheduler}`"
         )
-    strangers = [worker for worker, code in codes.items() if code != EVERYTHING]
-    if strangers:
-        raise refuse("scheduler", "must have workers with this very toonkit", f"{strangers[0]} with another")
-
-
-def _code() -> str:
-    return EVERYTHING
+    for worker, other in found.items():
+        if other != installed_toonkit():
+            raise refuse(
+                "scheduler", f"must have workers with toonkit {installed_toonkit()}", f"{worker} with {other}"
+            )
 
 
 def _all_at_once(cells: Sequence[Cell], client: Any, suspects: list[Cell]) -> Iterator[Outcome]:

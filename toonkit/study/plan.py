@@ -5,13 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TypeVar
 
 from toonkit._validation import refuse
+from toonkit.export.atomic import PathLike
 from toonkit.model.color_map import ColorMap
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.contestants import Contestant, contestants
-from toonkit.study.digests import color_map_digest, light_track_digests, method_digest, subject_digest
+from toonkit.study.digests import color_map_digest, file_digest, subject_digest, weights_digests
 from toonkit.study.shapes import SHAPES
 from toonkit.study.subjects import MeshShape, Subject
 from toonkit.study.trials import LIGHT_TRACKS, LightTrack, StudySettings, Trial
@@ -38,6 +40,8 @@ class StudyPlan:
         Of "given" and "estimated".
     settings : StudySettings
         Size and lights.
+    method_files : dict
+        Files of the user's own that define some of the methods, by method.
     """
 
     subjects: dict[str, Subject]
@@ -45,6 +49,7 @@ class StudyPlan:
     methods: dict[str, Contestant]
     light_tracks: tuple[LightTrack, ...] = ("given",)
     settings: StudySettings = field(default_factory=StudySettings)
+    method_files: dict[str, Path] = field(default_factory=dict)
 
     def cells(self) -> list[list[Trial]]:
         """Return the trials, those of one shape and one color map together: they share a painting."""
@@ -54,13 +59,16 @@ class StudyPlan:
             for color_map in self.color_maps
         ]
 
-    def digests(self) -> dict[str, dict[str, str]]:
-        """Return what tells whether a shape, color map or method is still the one of an older record."""
+    def digests(self) -> dict[str, dict[str, str | None]]:
+        """Return digests of the trials' inputs and of the network weights; toonkit's own code is not among them."""
         return {
             "shape": {name: subject_digest(subject) for name, subject in self.subjects.items()},
             "color_map": {name: color_map_digest(value) for name, value in self.color_maps.items()},
-            "method": {name: method_digest(contestant.analyze) for name, contestant in self.methods.items()},
-            "light_track": light_track_digests(),
+            "method_file": {
+                name: file_digest(self.method_files[name]) if name in self.method_files else None
+                for name in self.methods
+            },
+            "weights": {**weights_digests()},
         }
 
 
@@ -72,6 +80,7 @@ def plan_study(
     methods: Iterable[str] | None = None,
     light_tracks: Sequence[LightTrack] = ("given",),
     settings: StudySettings | None = None,
+    method_files: Mapping[str, PathLike] | None = None,
 ) -> StudyPlan:
     """
     Choose what a study compares; everything there is, unless told otherwise.
@@ -90,6 +99,9 @@ def plan_study(
         Of "given" and "estimated".
     settings : StudySettings, optional
         Size and lights.
+    method_files : mapping, optional
+        Files of your own that define methods, by method. When such a file has changed, the trials of its methods are run
+        again. Names that are not among the methods are ignored.
 
     Returns
     -------
@@ -99,7 +111,8 @@ def plan_study(
     Raises
     ------
     ToonkitError
-        If a name is unknown, is taken twice, or could not name a file, or if nothing is left to do.
+        If a name is unknown, is taken twice, or could not name a file, if a file of a method is missing, or if nothing is
+        left to do.
 
     Examples
     --------
@@ -131,7 +144,15 @@ def plan_study(
     tracks: dict[str, LightTrack] = _chosen(
         "light_tracks", light_tracks, {track: track for track in LIGHT_TRACKS}
     )
-    plan = StudyPlan(subjects, maps, chosen_methods, tuple(tracks.values()), settings or StudySettings())
+    own_files = {
+        name: Path(file).expanduser() for name, file in (method_files or {}).items() if name in chosen_methods
+    }
+    missing = [file for file in own_files.values() if not file.is_file()]
+    if missing:
+        raise refuse("method_files", "must be files", f"{missing[0]}")
+    plan = StudyPlan(
+        subjects, maps, chosen_methods, tuple(tracks.values()), settings or StudySettings(), own_files
+    )
     _refuse_bad_names(plan)
     return plan
 

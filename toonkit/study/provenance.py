@@ -1,34 +1,37 @@
-"""Where a study's numbers come from: code, versions, machine, and the runs that made them."""
+"""Where a study's numbers come from: inputs, networks, versions, commit, machine, and the runs that made them."""
 
 from __future__ import annotations
 
-import inspect
 import os
 import platform
 import subprocess
 from dataclasses import asdict
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import toonkit
-from toonkit.estimation.refinement import refine_as_printed
-from toonkit.study.digests import CODE, PACKAGE
+from toonkit.estimation.refinement import MAX_SWEEPS, SWEEP_RELAXATION, SWEEP_TOLERANCE
+from toonkit.study.digests import weights_digests
 from toonkit.study.plan import StudyPlan
 from toonkit.study.subjects import MeshShape
+
+SHOWN_DIGITS = 12
+"""How many digits of a digest or a commit are shown."""
 
 _PACKAGES = ("numpy", "scipy", "scikit-image", "numba", "pandas", "dask", "distributed")
 
 
 def provenance(plan: StudyPlan) -> dict[str, Any]:
     """Return, as JSON, what a study's numbers depend on."""
-    allowed = inspect.signature(refine_as_printed).parameters
     return {
         "toonkit": toonkit.__version__,
-        "code": CODE,
         "settings": asdict(plan.settings),
         "refinement_as_printed": {
-            name: allowed[name].default for name in ("relaxation", "max_sweeps", "tolerance")
+            "relaxation": SWEEP_RELAXATION,
+            "max_sweeps": MAX_SWEEPS,
+            "tolerance": SWEEP_TOLERANCE,
         },
         "shapes": {
             name: {
@@ -54,12 +57,19 @@ def surroundings() -> dict[str, Any]:
     }
 
 
+@cache
+def installed_toonkit() -> str:
+    """Return in one line which toonkit this process runs, as found when first asked: version, commit and weights."""
+    weights = ", ".join(f"{name} {digest[:SHOWN_DIGITS]}" for name, digest in weights_digests().items())
+    return f"version {toonkit.__version__}, commit {_commit() or 'unknown'}, {weights}"
+
+
 def _commit() -> str | None:
     """Return the commit of the checkout that this runs from, with a + if the package differs from it; None without one."""
-    git = ["git", "-C", str(PACKAGE)]
+    git = ["git", "-C", str(Path(toonkit.__file__).parent)]
     # Installed into an environment inside some other repository, the package is none of that one's files.
     tracked = _output([*git, "ls-files", "--error-unmatch", "__init__.py"])
-    commit = _output([*git, "rev-parse", "--short=12", "HEAD"])
+    commit = _output([*git, "rev-parse", f"--short={SHOWN_DIGITS}", "HEAD"])
     if tracked is None or commit is None:
         return None
     return commit + ("+" if _output([*git, "status", "--porcelain", "--", "."]) else "")

@@ -5,12 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, cast
 
 from toonkit.export.atomic import atomic_write
+from toonkit.study.digests import NETWORKS_USED
 from toonkit.study.trials import LightTrack, Record, Trial
 
 FOLDER = "records"
@@ -28,14 +29,14 @@ class RecordStore:
     folder : path
         The study's folder; the records lie in `records/` below it.
     sidecar : mapping
-        The study's provenance: its code, its settings, and the digests of its shapes, color maps, methods and light tracks.
-        A record that was made with others is not one of this study any more.
+        The study's provenance. A record belongs to the study if it was made with the same version of toonkit, the same
+        settings, and the same inputs by their digests.
     """
 
     def __init__(self, folder: Path, sidecar: Mapping[str, Any]) -> None:
         self._folder = folder / FOLDER
-        self._common = json.dumps([sidecar["code"], sidecar["settings"]])
-        self._digests = sidecar["digests"]
+        self._common = [sidecar["toonkit"], sidecar["settings"]]
+        self._digests: Mapping[str, Mapping[str, str | None]] = sidecar["digests"]
         self._folder.mkdir(exist_ok=True)
 
     def save(self, trial: Trial, record: Record) -> None:
@@ -51,20 +52,22 @@ class RecordStore:
             file.write(json.dumps(stored, indent=1).encode())
 
     def is_done(self, trial: Trial, *, retry_failed: bool = False) -> bool:
-        """Tell whether a trial was measured, with its shape, color map and method as they are now."""
+        """Tell whether a trial was measured, with the inputs that it has now."""
         record = self._current(self._folder / f"{trial.key}.json")
         if record is None:
             return False
         return not (record.error and (retry_failed or record.error.startswith(LOST)))
 
+    def forget(self, methods: Collection[str]) -> None:
+        """Delete all records of some methods."""
+        for path in self._folder.glob("*.json"):
+            if json.loads(path.read_text(encoding="utf-8"))["record"]["method"] in methods:
+                path.unlink()
+
     def records(self) -> list[Record]:
-        """Return all records that are of this study as it is now."""
+        """Return all records whose trials have the same inputs now."""
         found = (self._current(path) for path in sorted(self._folder.glob("*.json")))
         return [record for record in found if record is not None]
-
-    def outdated(self) -> int:
-        """Return how many records on file were made with a shape, color map or method that is another by now."""
-        return sum(self._current(path) is None for path in self._folder.glob("*.json"))
 
     def _current(self, path: Path) -> Record | None:
         if not path.is_file():
@@ -78,11 +81,19 @@ class RecordStore:
         return record if stored["fingerprint"] == self._fingerprint(trial) else None
 
     def _fingerprint(self, trial: Trial) -> str:
-        parts = (
-            self._common,
-            self._digests["shape"].get(trial.shape, ""),
-            self._digests["color_map"].get(trial.color_map, ""),
-            self._digests["method"].get(trial.method, ""),
-            self._digests["light_track"][trial.light_track],
-        )
-        return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+        """Return a digest of a trial's inputs."""
+        method_file = self._digest("method_file", trial.method)
+        networks = NETWORKS_USED.get(trial.method)
+        if networks is None or method_file is not None or trial.light_track == "estimated":
+            networks = tuple(sorted(self._digests.get("weights", {})))
+        inputs = [
+            *self._common,
+            self._digest("shape", trial.shape),
+            self._digest("color_map", trial.color_map),
+            method_file,
+            [(name, self._digest("weights", name)) for name in networks],
+        ]
+        return hashlib.sha256(json.dumps(inputs).encode()).hexdigest()
+
+    def _digest(self, group: str, name: str) -> str | None:
+        return self._digests.get(group, {}).get(name)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import closing
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -57,10 +57,11 @@ def run_study(
     workers: int | None = None,
     scheduler: str | None = None,
     retry_failed: bool = False,
+    again: Collection[str] = (),
     progress: Report | None = None,
 ) -> pd.DataFrame:
     """
-    Measure every trial of a plan that is not on file yet.
+    Measure every trial of a plan that is not on file with the same inputs.
 
     Parameters
     ----------
@@ -75,6 +76,8 @@ def run_study(
         Address of a dask scheduler, such as `tcp://host:8786`, whose workers do the work instead.
     retry_failed : bool, optional
         Measure trials again that are on file with an error. Those whose worker was lost always are.
+    again : collection of str, optional
+        Methods of the plan whose records are deleted first, all that the folder has: for methods whose code has changed.
     progress : callable, optional
         Called with a `StudyProgress` at the start and after each record.
 
@@ -86,20 +89,28 @@ def run_study(
     Raises
     ------
     ToonkitError
-        If the folder holds a study of other settings or other code or is in use by another run, packages of the study
-        are missing, or the scheduler cannot be reached, is lost, or has workers with another toonkit. What was measured
-        until then is on file.
+        If the folder holds a study of other settings or is in use by another run, a method to measure again is not in the
+        plan, packages of the study are missing, or the scheduler cannot be reached, is lost, or has workers with another
+        toonkit. What was measured until then is on file.
 
     Notes
     -----
+    The inputs of a trial are the version of toonkit, the settings, the shape, the color map, the weights of the networks
+    used, and the file that the plan names for the method. A record is not compared with the code that made it: name the
+    methods whose code has changed in `again`, or start a new folder.
+
     Workers are processes of their own that import the main program: in a script, call this below
     `if __name__ == "__main__":`, or with `workers=0`.
     """
     _refuse_bad_workers(workers, scheduler)
+    for method in again:
+        if method not in plan.methods:
+            raise refuse("again", f"must be among the plan's {', '.join(plan.methods)}", repr(method))
     home = make_folder(folder)
     with sole_use(home):
         sidecar = opened_sidecar(provenance(plan), home)
         store = RecordStore(home, sidecar)
+        store.forget(again)
         run = _Run(plan, home, store, sidecar, progress or (lambda _: None))
         cells = run.missing_cells(retry_failed=retry_failed)
         if not cells:

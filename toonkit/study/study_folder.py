@@ -33,7 +33,7 @@ def sole_use(home: Path) -> Iterator[None]:
 
 
 def opened_sidecar(fresh: dict[str, Any], home: Path) -> dict[str, Any]:
-    """Return the folder's provenance, extended by that of a plan; refuse a folder whose records were made otherwise."""
+    """Return the folder's provenance, extended by that of a plan; refuse a folder whose study has other settings."""
     fresh = {**fresh, "runs": []}
     if not (home / PROVENANCE_NAME).is_file():
         write_sidecar(fresh, home)
@@ -41,8 +41,6 @@ def opened_sidecar(fresh: dict[str, Any], home: Path) -> dict[str, Any]:
     known = load_provenance(home)
     if settings_from(known.get("settings")) != settings_from(fresh["settings"]):
         raise refuse("folder", "must hold a study with the same size and lights, or be new", f"{home}")
-    if known.get("code") != fresh["code"]:
-        raise refuse("folder", "must hold a study made by this very code, or be new", f"{home}")
     fresh["shapes"] = {**known["shapes"], **fresh["shapes"]}
     for group, digests in fresh["digests"].items():
         fresh["digests"][group] = {**known["digests"].get(group, {}), **digests}

@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 
 from toonkit.study.measures import MEASURES
+from toonkit.study.provenance import SHOWN_DIGITS
 from toonkit.study.reporting.cells import cells, failures, on_track, statement, tracks
 from toonkit.study.reporting.comparisons import comparisons, has_pairs
 from toonkit.study.reporting.findings import RULE, Finding, disagreements, findings
@@ -214,8 +215,11 @@ def provenance_text(trials: pd.DataFrame, provenance: Mapping[str, Any]) -> str:
         )
     for column in ("toonkit", "python", "numpy", "scipy", "numba"):
         facts[column] = ", ".join(map(str, trials[column].unique()))
-    if "code" in provenance:
-        facts["digest of the code"] = provenance["code"]
+    weights = provenance.get("digests", {}).get("weights", {})
+    if weights:
+        facts["digests of the weights"] = ", ".join(
+            f"{name} {digest[:SHOWN_DIGITS]}" for name, digest in weights.items()
+        )
     for number, run in enumerate(provenance.get("runs", []), 1):
         facts[f"run {number}"] = _run_text(run)
     facts["wall time of the analyses, all cores busy"] = _duration(float(trials["seconds"].sum()))
