@@ -276,7 +276,7 @@ def _solver_row(shape: str, size: int, problem: str, solver: str, seconds: float
 def table(rows: list[Row]) -> str:
     """One line per case, as a Markdown table."""
     lines = [
-        "| shape | size | method | analyze | per pixel | again, light moved | peak memory per pixel | relight |",
+        "| shape | size | method | analyze | per pixel | light moved | peak memory per pixel | relight |",
         "|---|---|---|---|---|---|---|---|",
     ]
     for row in rows:
@@ -308,7 +308,7 @@ def _seconds(value: float) -> str:
 
 
 def sweeps_text(solvers: list[Row]) -> str:
-    """How the paper's sweeps compare on the paper's energy, in a sentence: where they were run on the largest picture."""
+    """Say how the paper's sweeps compare on the paper's energy, on the largest picture of each shape that they solved."""
     parts = []
     for shape, name in (("sphere", "disc"), ("cat", "cat")):
         seconds = {
@@ -321,7 +321,7 @@ def sweeps_text(solvers: list[Row]) -> str:
         ratio = int(min(spent, LIMIT) / seconds["toonkit", size])
         more = "more than " if spent >= LIMIT else ""
         parts.append(f"{more}{ratio} times as long for the {name} at {size}²")
-    return f"To the same energy of Eq. 5, the paper's sweeps take {' and '.join(parts)}."
+    return f"To reach the same energy of Eq. 5, the paper's sweeps take longer than toonkit: {' and '.join(parts)}."
 
 
 def scaling_figure(rows: list[Row], solvers: list[Row]) -> Figure:

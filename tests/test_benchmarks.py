@@ -1,4 +1,4 @@
-"""The numbers in README are those of the files that the benchmarks wrote."""
+"""The numbers in docs/speed.md are those of the files that the benchmarks wrote."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from toonkit.numerics.membrane import solve_membrane
 from toonkit.numerics.unit_field import solve_unit_field
 
 ROOT = Path(__file__).parent.parent
-README = (ROOT / "README.md").read_text()
+SPEED = (ROOT / "docs" / "speed.md").read_text()
+TEXT = " ".join(SPEED.split())
 
 
 def numbers(name: str) -> list[dict[str, str | float]]:
@@ -32,39 +33,52 @@ def _number(value: str) -> str | float:
 
 
 def shown(name: str) -> str:
-    """Return the table that stands in README under a name."""
-    (table,) = re.findall(rf"<!-- {name}: begin -->\n(.*?)<!-- {name}: end -->", README, re.DOTALL)
+    """Return the table that stands in docs/speed.md under a name."""
+    (table,) = re.findall(rf"<!-- {name}: begin -->\n(.*?)<!-- {name}: end -->", SPEED, re.DOTALL)
     return table.strip()
 
 
-def test_readme_shows_the_speed_that_was_measured():
+def test_the_document_shows_the_speed_that_was_measured():
     rows = [row for row in numbers("speed.csv") if (row["shape"], row["size"]) == ("cat", 512)]
     assert shown("speed") == speed.table(rows)
 
 
-def test_readme_shows_how_the_analysis_scales():
+def test_the_document_shows_how_the_analysis_scales():
     rows = [row for row in numbers("speed.csv") if row["method"] == "toonkit"]
     assert shown("scaling") == speed.table(rows)
     assert {row["size"] for row in rows} == set(speed.SIZES)
     first = {row["shape"]: row["first_seconds"] for row in rows if row["size"] == max(speed.SIZES)}
-    text = " ".join(README.split())
-    assert f"in a process {first['sphere']:.0f} s for the disc and {first['cat']:.0f} s for the cat" in text
+    assert (
+        f"The first drawing of {max(speed.SIZES)}² in a process takes {first['sphere']:.0f} s for the disc "
+        f"and {first['cat']:.0f} s for the cat" in TEXT
+    )
 
 
-def test_readme_shows_the_solvers_that_were_compared():
+@pytest.mark.parametrize("shape", ["sphere", "cat"])
+def test_the_time_per_pixel_does_not_grow_with_the_picture(shape):
+    times = {
+        row["size"]: row["analyze_microseconds_per_pixel"]
+        for row in numbers("speed.csv")
+        if (row["shape"], row["method"]) == (shape, "toonkit")
+    }
+    assert f"From 512² to {max(speed.SIZES)}² the time per pixel does not grow" in TEXT
+    assert times[max(speed.SIZES)] <= times[512]
+
+
+def test_the_document_shows_the_solvers_that_were_compared():
     rows = [row for row in numbers("solvers.csv") if row["shape"] == "cat"]
     assert shown("solvers") == speed.solver_table(rows)
+    assert f"Solvers were stopped after {speed.LIMIT:.0f} s" in TEXT
 
 
-def test_readme_says_how_the_papers_sweeps_compare():
+def test_the_document_says_how_the_papers_sweeps_compare():
     assert shown("sweeps") == speed.sweeps_text(numbers("solvers.csv"))
 
 
-def test_readme_shows_the_first_use_that_was_measured():
+def test_the_document_shows_the_first_use_that_was_measured():
     (row,) = numbers("first_use.csv")
-    text = " ".join(README.split())
-    assert f"takes {row['first_process_seconds']:.1f} s for the cat at 512²" in text
-    assert f"later ones take {row['later_process_seconds']:.1f} s" in text
+    assert f"takes {row['first_process_seconds']:.1f} s for the cat at 512²" in TEXT
+    assert f"Later processes take {row['later_process_seconds']:.1f} s" in TEXT
 
 
 @pytest.fixture(scope="module")
@@ -95,8 +109,9 @@ def test_over_relaxed_sweeps_meet_the_energy_of_the_multigrid(posed, name):
     assert other_solvers.swept(problem, goal, 60.0)[1] <= goal
 
 
-def test_readme_shows_the_drag_rate_that_was_measured():
+def test_the_document_shows_the_drag_rate_that_was_measured():
     figures = json.loads((ROOT / "benchmarks" / "results" / "drag_rate.json").read_text())
-    text = " ".join(README.split())
-    assert f"{figures['pictures_per_second']:.0f} pictures a second" in text
-    assert f"{figures['first_picture_cold_s']:.0f} s after" in text
+    width, height = figures["picture"]
+    rate = figures["pictures_per_second"]
+    assert f"it draws {rate:.0f} pictures of {width} x {height} pixels per second" in TEXT
+    assert f"the first relit picture {figures['first_picture_cold_s']:.0f} s after" in TEXT

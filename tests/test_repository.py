@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
+import pkgutil
 import re
 import shutil
 import subprocess
@@ -17,12 +19,14 @@ import pytest
 import yaml
 
 import toonkit
+from toonkit.estimation.weights import provenance
 from toonkit.export.picture import write_picture
 
 ROOT = Path(__file__).parent.parent
 PYPROJECT: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text())
 PROJECT: dict[str, Any] = PYPROJECT["project"]
 README = (ROOT / "README.md").read_text()
+DOCUMENTS = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
 HEAVY_PACKAGES = (
     "panel",
     "panel_material_ui",
@@ -154,7 +158,48 @@ def test_ci_runs_the_test_command_of_readme_and_no_other() -> None:
     assert re.search(r"\bpip\b|\bpytest -|apt-get", script) is None
 
 
-def test_every_file_that_readme_points_to_exists() -> None:
-    targets = {target.partition("#")[0] for target in re.findall(r"\]\(([^)\s]+)\)", README)}
-    local = {target for target in targets if target and "://" not in target}
-    assert sorted(target for target in local if not (ROOT / target).exists()) == []
+def test_readme_is_read_in_two_minutes() -> None:
+    assert len(README.splitlines()) <= 120
+
+
+def anchors(document: Path) -> set[str]:
+    """Names by which GitHub links to the headings of a document."""
+    headings = re.findall(r"^#+ (.*)$", document.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_every_file_and_heading_that_a_document_links_to_exists(document: Path) -> None:
+    links = re.findall(r"\]\(([^)\s]+)\)|<img src=\"([^\"]+)\"", document.read_text())
+    missing = []
+    for link in {address or picture for address, picture in links}:
+        name, _, anchor = link.partition("#")
+        target = document.parent / name if name else document
+        if "://" not in link and not (target.exists() and (not anchor or anchor in anchors(target))):
+            missing.append(link)
+    assert links
+    assert missing == []
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_every_module_and_function_that_a_document_names_exists(document: Path) -> None:
+    text = document.read_text()
+    commands = set(re.findall(r"python -m ([\w.]+)", text))
+    assert sorted(name for name in commands if importlib.util.find_spec(name) is None) == []
+    for name in set(re.findall(r"`(toonkit(?:\.\w+)+)", text)):
+        pkgutil.resolve_name(name)  # raises if there is none
+
+
+def test_development_says_how_long_the_networks_were_trained() -> None:
+    text = " ".join((ROOT / "docs" / "development.md").read_text().split())
+    stages, hours = {}, {}
+    for name in ("shape", "light"):
+        made = provenance(f"{name}_prior")
+        trainings = [*made["started from"], made]
+        stages[name], hours[name] = len(trainings), sum(part["seconds"] for part in trainings) / 3600
+    assert f"trained in {stages['shape']} stages" in text
+    assert stages["shape"] == stages["light"]
+    assert (
+        f"network took {hours['shape']:.1f} hours in total, the light network {hours['light']:.1f} hours"
+        in text
+    )

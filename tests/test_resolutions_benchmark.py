@@ -1,4 +1,4 @@
-"""The benchmark of resolutions reduces pictures rightly, measures angles, and README tells what it found."""
+"""The benchmark of resolutions reduces pictures rightly, measures angles, and docs/accuracy.md tells what it found."""
 
 from __future__ import annotations
 
@@ -57,6 +57,9 @@ def test_the_committed_resolutions_are_of_all_shapes_and_color_maps():
     assert set(table[["shape", "color_map"]].itertuples(index=False, name=None)) == expected
     assert len(table) == len(expected)
     mean = table[list(resolutions.STEPS)].mean()
-    text = " ".join((ROOT / "README.md").read_text().split())
-    assert f"normals are {mean['refined']:.1f}° apart" in text
-    assert f"{mean['true']:.1f}° of which are the comparison's own" in text
+    text = " ".join((ROOT / "docs" / "accuracy.md").read_text().split())
+    small, large = resolutions.LARGE // resolutions.FACTOR, resolutions.LARGE
+    assert f"Drawings of {large} x {large} pixels were reduced to {small} x {small} pixels" in text
+    assert f"{len(SHAPES)} shapes with {len(COLOR_MAP_NAMES)} color maps each" in text
+    assert f"The normals of the two analyses differ by {mean['refined']:.1f}° on average" in text
+    assert f"The true normals of the two sizes already differ by {mean['true']:.1f}°" in text

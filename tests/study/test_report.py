@@ -14,7 +14,7 @@ from toonkit.study.measures import MEASURES
 from toonkit.study.reporting.report import REPORT_NAME, report_tables, write_report
 from toonkit.study.reporting.statistics import breakdown, method_means
 from toonkit.study.reporting.tables import best_methods, extremes, refinements, shown_means, shown_refinements
-from toonkit.study.reporting.text import report_text, sweeps_text
+from toonkit.study.reporting.text import means_text, report_text, sweeps_text
 
 PROVENANCE = {
     "digests": {"weights": {"light_prior": "f00dfacedead" + 52 * "0", "shape_prior": 64 * "1"}},
@@ -163,13 +163,25 @@ def test_time_is_no_contest_and_says_how_it_was_taken(trials, text):
 
 @pytest.mark.parametrize(
     ("least", "said"),
-    [(11.0, "nearer to the truth"), (13.0, "stopping early does it good"), (18.0, "owes its accuracy")],
+    [
+        (11.0, "a lower energy means better normals"),
+        (13.0, "stopping early helps"),
+        (18.0, "because it stops early"),
+    ],
 )
 def test_the_minimum_is_weighed_against_the_sweeps(least, said):
     table = pd.DataFrame({"sweeps": [0, 500, 5000, np.inf], "angular_error": [15.0, 12.0, 12.5, least]})
-    assert "12.0° after 500 sweeps" in sweeps_text(table)
+    assert "smallest after 500 sweeps, at 12.0°" in sweeps_text(table)
     assert f"{least:.1f}° at the minimum" in sweeps_text(table)
     assert said in sweeps_text(table)
+
+
+def test_means_are_shown_with_a_row_per_measure_or_per_method(trials):
+    means = method_means(trials, ("angular_error",))
+    upright, flat = (means_text(means, row_per=row).splitlines() for row in ("measure", "method"))
+    assert upright[0].startswith("| measure | toonkit |")
+    assert [line.split(" | ")[0] for line in flat[:3]] == ["| method", "| ---", "| toonkit"]
+    assert upright[2].split(" | ")[1] == flat[2].split(" | ")[1].removesuffix(" |")
 
 
 def test_no_failure_is_said_plainly(text):

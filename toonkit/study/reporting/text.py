@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 import pandas as pd
 
@@ -101,14 +101,14 @@ def report_text(
     return "\n\n".join(sections) + "\n"
 
 
-def means_text(means: pd.DataFrame) -> str:
+def means_text(means: pd.DataFrame, *, row_per: Literal["measure", "method"] = "measure") -> str:
     """Write what `toonkit.study.reporting.statistics.method_means` returns as a table in Markdown, the best in bold."""
     shown = shown_means(means)
     for column, methods in best_methods(means).items():
         for method in methods:
             shown.loc[method, column] = f"**{shown.loc[method, column]}**"
-    # Upright, seven measures would not fit a page.
-    return _markdown(shown.T.rename_axis("measure"))
+    # More than four measures side by side do not fit a page.
+    return _markdown(shown if row_per == "method" else shown.T.rename_axis("measure"))
 
 
 def findings_text(found: Sequence[Finding]) -> str:
@@ -129,18 +129,18 @@ def disagreements_text(found: Sequence[Finding]) -> str:
 
 
 def sweeps_text(sweeps: pd.DataFrame) -> str:
-    """Write what `benchmarks.sweeps` found the paper's sweeps, and the minimum of its Eq. 5, to be worth."""
+    """Say how accurate the paper's method is after more sweeps, and at the minimum of its Eq. 5."""
     errors = sweeps.groupby("sweeps")["angular_error"].mean()
     start, least = errors.loc[0], errors.loc[math.inf]
     granted = errors.drop([0, math.inf])
     text = (
-        f"The normals are {start:.1f}° off before the first sweep, {granted.min():.1f}° after {granted.idxmin():,.0f} "
-        f"sweeps, where they are best, and {least:.1f}° at the minimum of Eq. 5."
+        f"The mean error of the normals is {start:.1f}° before the first sweep and {least:.1f}° at the minimum of Eq. 5. "
+        f"It is smallest after {granted.idxmin():,.0f} sweeps, at {granted.min():.1f}°."
     )
     if least <= granted.min():
-        return f"{text} The nearer to its minimum, the nearer to the truth."
-    worth = "it owes its accuracy to being stopped early" if least > start else "stopping early does it good"
-    return f"{text} What the paper's method minimizes is not what it is measured by: {worth}."
+        return f"{text} At the minimum it is no larger: a lower energy means better normals."
+    worth = "the method is accurate because it stops early" if least > start else "stopping early helps"
+    return f"{text} A lower energy does not always mean better normals: {worth}."
 
 
 def _opening(trials: pd.DataFrame) -> str:
