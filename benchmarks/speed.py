@@ -38,7 +38,8 @@ from toonkit.methods.todo import LAMBDA, RHO
 from toonkit.methods.toonkit import OPTIONS
 from toonkit.numerics.membrane import Membrane, solve_membrane
 from toonkit.numerics.smoothness_energy import SmoothnessEnergy
-from toonkit.numerics.unit_field import ChangeEnergy, solve_unit_field
+from toonkit.numerics.change_energy import ChangeEnergy
+from toonkit.numerics.unit_field import solve_unit_field
 from toonkit.numerics.unit_vectors import UnitVectorEnergy
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.rendering import render_shape

@@ -298,11 +298,10 @@ def test_the_drawing_in_ink_is_the_picture_but_for_its_lines():
     drawing = interior_contours.in_ink(image, shape)
     ink = prepare(drawing).line_art
     assert ink is not None
-    grid = prepare(drawing).grid
     changed = np.abs(drawing.color - image.color).max(axis=-1)[image.mask] > 0
     assert set(ink.pixels) >= set(np.flatnonzero(changed & (image.color[image.mask].mean(axis=1) > 0.4)))
     near = interior_contours.true_contours(shape).outward.any(axis=1)
-    assert np.allclose(drawing.color[grid.mask][near], interior_contours.INK)
+    assert np.allclose(drawing.color[drawing.mask][near], interior_contours.INK)
 
 
 @pytest.mark.parametrize("learned", [False, True])

@@ -283,7 +283,8 @@ def test_the_correction_turns_with_picture_and_light(quarters: int) -> None:
 
 def test_the_correction_is_the_same_at_twice_the_resolution() -> None:
     odd = painted(cut_ellipse(240, 168).normals, TWO_TONE, light=LIGHT)
-    large = ToonImage(odd.color[:-1, :-1], odd.mask[:-1, :-1], alpha=odd.alpha[:-1, :-1])  # nothing was there
+    # Nothing was there; now the object begins at an even row and column, as that of an enlarged drawing does.
+    large = ToonImage(odd.color[:-1, 1:], odd.mask[:-1, 1:], alpha=odd.alpha[:-1, 1:])
     corrected = [
         correct_shape(image, LIGHT, inflate(image.mask, alpha=image.alpha))
         for image in (reduced(large, 2), large)

@@ -116,8 +116,8 @@ def cut_sides(mask: BoolArray, coverage: FloatArray) -> tuple[bool, bool, bool, 
     Returns
     -------
     tuple of bool
-        For RIGHT, UP, LEFT and DOWN whether the object ends there in a long straight edge between pixels. An object that
-        does so on all four sides fills its picture, and has those edges for an outline.
+        For RIGHT, UP, LEFT and DOWN whether the object ends there, but not on the opposite side, in a long straight edge
+        between pixels. Two such edges, as of a bar or a box, are the object's own.
     """
     cut = [False] * len(STEPS)
     for direction, inner, outer, line in (
@@ -131,7 +131,8 @@ def cut_sides(mask: BoolArray, coverage: FloatArray) -> tuple[bool, bool, bool, 
         longest = int(np.max(ends[1::2] - ends[::2], initial=0))
         cut[direction] = longest >= max(CUT_SHARE * line.size, CUT_PER_ROOT * np.sqrt(line.size))
     right, up, left, down = cut
-    return (False, False, False, False) if all(cut) else (right, up, left, down)
+    sideways, upright = right != left, up != down
+    return right and sideways, up and upright, left and sideways, down and upright
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from toonkit._validation import FloatArray, as_light, refuse
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.silhouette import trace_silhouette
+from toonkit.estimation.islands import islands_of
 from toonkit.heightfield import height_map
 from toonkit.metrics import angular_error
 from toonkit.model.image import ToonImage
@@ -199,12 +199,14 @@ def _draw_silhouette(axes: Axes, shape: RenderedShape) -> None:
     gray = ToonImage(np.full((*shape.mask.shape, 3), 0.88), shape.mask, alpha=shape.coverage)
     draw_picture(axes, gray, free=0.09)
     grid = MaskedGrid(shape.mask)
-    silhouette = trace_silhouette(grid, shape.coverage)
-    rows, columns = grid.rows[silhouette.pixels], grid.columns[silhouette.pixels]
+    islands = islands_of(shape.mask, shape.coverage)
+    everyone = np.arange(grid.size)
+    pixels = np.concatenate([everyone[island.pixels][island.silhouette.pixels] for island in islands])
+    rows, columns = grid.rows[pixels], grid.columns[pixels]
     middle = rows.mean(), columns.mean()
     around = np.argsort(np.arctan2(rows - middle[0], columns - middle[1]), kind="stable")
     chosen = around[np.linspace(0, len(around) - 1, SILHOUETTE_ARROWS).astype(np.intp)]
-    outward = silhouette.outward[chosen]
+    outward = np.concatenate([island.silhouette.outward for island in islands])[chosen]
     vectors = np.concatenate([outward, np.zeros((len(chosen), 1))], axis=1)[None]
     colors = encode_normal_map(NormalField(vectors, np.ones(vectors.shape[:2], dtype=np.bool_)))[0] / 255.0
     arrows = axes.quiver(
