@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
@@ -10,7 +11,9 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties, findfont
 from matplotlib.text import Text
+from matplotlib.textpath import TextPath
 from matplotlib.transforms import Bbox
 from skimage.color import deltaE_ciede2000, rgb2lab
 
@@ -25,7 +28,16 @@ from toonkit.viz.figures.paper_data import data_sets, stylized_shading
 from toonkit.viz.figures.paper_method import inflation, method_overview
 from toonkit.viz.figures.paper_reflectance import color_map_estimation, illumination_constraints
 from toonkit.viz.figures.paper_results import Comparison, relighting, shading_analysis
-from toonkit.viz.figures.style import METHOD_COLORS, METHOD_LABELS, PAGE_WIDTH, figure_style, new_figure
+from toonkit.viz.figures.style import (
+    METHOD_COLORS,
+    METHOD_LABELS,
+    PAGE_WIDTH,
+    TEXT_SIZE,
+    figure_style,
+    fold,
+    new_figure,
+    text_width,
+)
 
 LIGHT = toonkit.light_direction(129, 50)
 SIZE = 64
@@ -268,6 +280,27 @@ def test_colors_of_methods_stay_apart_for_color_blind_readers(vision):
     lab = rgb2lab(np.clip(seen, 0, 1))
     differences = [deltaE_ciede2000(one, other) for one, other in itertools.combinations(lab, 2)]
     assert min(differences) > 15  # just noticeable differences are about 1
+
+
+def test_a_figure_is_drawn_in_a_font_of_matplotlib_whatever_the_machine_and_the_user_have():
+    with mpl.rc_context({"font.family": "fantasy", "font.weight": "bold", "axes.unicode_minus": False}):
+        with figure_style():
+            figure = new_figure(1.0)
+            text = figure.text(0.5, 0.5, "light · normal")
+        properties = text.get_fontproperties()
+        assert properties.get_weight() == "normal"
+        assert Path(findfont(properties)).is_relative_to(mpl.get_data_path())
+
+
+@pytest.mark.parametrize("font", ["DejaVu Sans", "DejaVu Sans Mono", "DejaVu Serif", "STIXGeneral"])
+@pytest.mark.parametrize("width", [0.8, 1.0, 2.0])
+def test_a_folded_text_keeps_its_words_and_fits_its_width_in_every_font_of_matplotlib(width, font):
+    text = "mean width of the steps between tones"
+    folded = fold(text, width)
+    assert folded.split() == text.split()
+    drawn = max(folded.split("\n"), key=len)
+    measured = TextPath((0, 0), drawn, TEXT_SIZE, prop=FontProperties(font)).get_extents().width / 72
+    assert measured <= text_width(folded) <= width
 
 
 def test_a_figure_leaves_the_style_of_others_alone():

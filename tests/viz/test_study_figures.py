@@ -19,6 +19,7 @@ from tests.viz.test_figures import COLOR_VISION
 from toonkit.model.luminance import linear_to_srgb, srgb_to_linear
 from toonkit.study.reporting.findings import findings
 from toonkit.study.reporting.statistics import breakdown
+from toonkit.viz.figures import style
 from toonkit.viz.figures.study import CAPTIONS, FIGURES, write_figures
 from toonkit.viz.figures.study_groups import difference_map, error_by_tones, errors_by_group
 from toonkit.viz.figures.study_methods import (
@@ -37,6 +38,9 @@ from toonkit.viz.figures.study_tables import (
     sweeps_table,
 )
 from toonkit.viz.figures.style import INK, METHOD_COLORS
+
+FONTS = ("DejaVu Sans", "DejaVu Sans Mono")
+"""Matplotlib's own: the one of the figures, and a wide one, in which a layout that holds has room to spare."""
 
 SWEEPS = pd.DataFrame(
     {
@@ -95,6 +99,14 @@ def every_axes(figure):
 @pytest.mark.parametrize("name", ALL)
 def test_no_text_leaves_the_page(drawn, name):
     assert texts_off_the_page(drawn[name]) == []
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_no_text_leaves_the_page_in_a_wide_font(trials, name, monkeypatch):
+    monkeypatch.setattr(style, "FONT", FONTS[1])
+    figure = sweeps_figure(SWEEPS) if name == "sweeps" else FIGURES[name](trials)
+    FigureCanvasAgg(figure).draw()
+    assert texts_off_the_page(figure) == []
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -249,6 +261,14 @@ def test_spare_colors_stay_apart_for_color_blind_readers(vision):
     assert min(deltaE_ciede2000(one, other) for one, other in itertools.combinations(lab, 2)) > 13
 
 
+@pytest.mark.parametrize("font", FONTS)
+def test_the_difference_of_a_ratio_on_one_shape_fits_the_page(trials, font, monkeypatch):
+    monkeypatch.setattr(style, "FONT", font)
+    figure = difference_map(trials[trials["shape"] == "cat"], "relight_response")
+    FigureCanvasAgg(figure).draw()
+    assert texts_off_the_page(figure) == []
+
+
 @pytest.mark.parametrize("name", FIGURES)
 def test_many_newcomers_fit_the_page(trials, name):
     figure = FIGURES[name](with_newcomers(trials, *(f"newcomer_{number}" for number in range(5))))
@@ -294,7 +314,9 @@ def test_a_figure_that_the_table_cannot_fill_is_left_out(trials, tmp_path, spoil
     ],
     ids=["a method that always fails", "a single picture", "a single shape"],
 )
-def test_a_poor_table_is_drawn_all_the_same(trials, name, part):
+@pytest.mark.parametrize("font", FONTS)
+def test_a_poor_table_is_drawn_all_the_same(trials, name, part, font, monkeypatch):
+    monkeypatch.setattr(style, "FONT", font)
     figure = FIGURES[name](part(trials))
     FigureCanvasAgg(figure).draw()
     assert texts_off_the_page(figure) == []

@@ -33,8 +33,8 @@ from toonkit.viz.figures.panels import (
     proportion,
 )
 from toonkit.viz.figures.paper_results import Comparison
-from toonkit.viz.figures.study_style import ROW, guide, method_label
-from toonkit.viz.figures.style import METHOD_COLORS, PAGE_WIDTH, QUIET, SMALL, figure_style, new_figure
+from toonkit.viz.figures.study_style import ROW, guide, method_label, panel_width
+from toonkit.viz.figures.style import METHOD_COLORS, PAGE_WIDTH, QUIET, SMALL, figure_style, fold, new_figure
 
 ORACLES = ("toonkit with the true color map",)
 """Variants that are told what no method can know: drawn hollow."""
@@ -93,17 +93,18 @@ def draw_ablation(
     with figure_style():
         figure = new_figure(0.75 + 1.15 * ROW * len(names), gap=0.03)
         panels = figure.subplots(1, len(measures), sharey=True, squeeze=False)[0]
+        labels = [method_label(name) for name in names]
+        width = panel_width(labels, len(measures))
         for axes, column in zip(panels, measures, strict=True):
             measure = MEASURES[column]
             found[column] = _differences(table, column, versus)
             _draw_differences(axes, found[column], measure)
             axes.set_title(measure.label)
-            axes.set_xlabel(
-                f"difference from {method_label(versus)}" + (f" ({measure.unit})" if measure.unit else "")
-            )
-        panels[0].set_yticks(range(len(names)), [method_label(name) for name in names])
+            unit = f" ({measure.unit})" if measure.unit else ""
+            axes.set_xlabel(fold(f"difference from {method_label(versus)}{unit}", width))
+        panels[0].set_yticks(range(len(names)), labels)
         panels[0].set_ylim(len(names) - 0.5, -0.6)
-        figure.supxlabel(_legend(names, found), fontsize=SMALL, color=QUIET)
+        figure.supxlabel(fold(_legend(names, found), PAGE_WIDTH, size=SMALL), fontsize=SMALL, color=QUIET)
     return figure
 
 

@@ -30,10 +30,13 @@ from toonkit.viz.figures.study_style import (
     method_legend,
     spoken,
 )
-from toonkit.viz.figures.style import QUIET, SMALL, figure_style, new_figure
+from toonkit.viz.figures.style import QUIET, SMALL, figure_style, fold, new_figure
 
 BEYOND = 0.98
 """Share of the differences that the color bar covers; the rest have the color of its ends."""
+
+BAR_LENGTH = 1.6
+"""Inches along the color bar of the smallest map of differences, and so for its label."""
 
 
 def errors_by_group(
@@ -127,7 +130,7 @@ def difference_map(
         right.set_title(word, fontsize=SMALL)
         below.set_yticks([0], [word])
         _draw_ramps_below(figure, grid, [table.color_maps[column] for column in columns])
-        bar = figure.colorbar(picture, cax=figure.add_subplot(grid[0, 2]), extend="both", extendfrac=0.03)
+        bar = figure.colorbar(picture, cax=figure.add_subplot(grid[:2, 2]), extend="both", extendfrac=0.03)
         _label_bar(bar, table, method, versus, palette)
     return figure
 
@@ -168,7 +171,7 @@ def error_by_tones(trials: pd.DataFrame, measure: str = "angular_error") -> Figu
             dot(left, apart(tones, 0.07), values[hard], color)
             dot(right, widths, values[list(ramps)], color)
         left.set(xlabel="tones of a hard color map", ylabel=axis_label(measure), xticks=np.unique(tones))
-        right.set_xlabel("mean width of the steps between tones, in L · N (square-root scale)")
+        right.set_xlabel("mean width of the steps between tones,\nin L · N (square-root scale)")
         right.set_xticks(np.sqrt(_WIDTHS), [f"{width:g}" for width in _WIDTHS])
         left.set_ylim(bottom=0)
         guide(left, "y")
@@ -252,7 +255,7 @@ def _draw_ramps_below(figure: Figure, grid: GridSpec, names: Sequence[str]) -> N
 def _label_bar(bar: Colorbar, table: Cells, method: str, versus: str, palette: Mapping[str, str]) -> None:
     measure = table.measure
     what = f"distance of the {measure.label} from 1" if is_ratio(measure) else measure.axis
-    bar.set_label(f"{what}\n{method_label(method)} − {method_label(versus)}")
+    bar.set_label(f"{fold(what, BAR_LENGTH)}\n{method_label(method)} − {method_label(versus)}")
     bar.outline.set_visible(False)
     for place, name in ((-0.05, method), (1.05, versus)):
         text = bar.ax.text(

@@ -23,9 +23,10 @@ from toonkit.viz.figures.study_style import (
     method_colors,
     method_label,
     method_legend,
+    panel_width,
     spread,
 )
-from toonkit.viz.figures.style import INK, QUIET, SMALL, figure_style, new_figure
+from toonkit.viz.figures.style import INK, QUIET, SMALL, figure_style, fold, new_figure
 
 RESPONSE_LIMIT = 1.6
 """End of the axis of responses; the few beyond are counted in the figure."""
@@ -167,21 +168,16 @@ def paired_differences(trials: pd.DataFrame, measures: Sequence[str] = COMPARED)
     with figure_style():
         figure = new_figure(1.0 + 1.3 * ROW * len(pairs))
         panels = figure.subplots(1, len(measures), sharey=True, squeeze=False)[0]
+        names = [f"{method_label(method)} − {method_label(versus)}" for method, versus in pairs]
+        width = panel_width(names, len(measures))
         for axes, column in zip(panels, measures, strict=True):
             _draw_pairs(axes, table[table["measure"] == column], pairs, colors)
             measure = MEASURES[column]
-            what = (
-                f"{measure.label},\ndistance from 1"
-                if is_ratio(measure)
-                else measure.label.replace(", ", ",\n")
-            )
-            axes.set_title(what)
+            what = f"{measure.label}, distance from 1" if is_ratio(measure) else measure.label
+            axes.set_title(",\n".join(fold(part, width) for part in what.split(", ")))
             unit = f" ({measure.unit})" if measure.unit else ""
             axes.set_xlabel(f"difference{unit}")
-        panels[0].set_yticks(
-            range(len(pairs)),
-            [f"{method_label(method)} − {method_label(versus)}" for method, versus in pairs],
-        )
+        panels[0].set_yticks(range(len(pairs)), names)
         panels[0].set_ylim(len(pairs) - 0.5, -0.75)
         figure.supxlabel(
             "Percentages: trials won by the method named first. "

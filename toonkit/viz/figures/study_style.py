@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from toonkit._validation import FloatArray
 from toonkit.study.measures import MEASURES
 from toonkit.study.reporting.statistics import is_ratio
-from toonkit.viz.figures.style import METHOD_COLORS, METHOD_LABELS
+from toonkit.viz.figures.style import METHOD_COLORS, METHOD_LABELS, PAD, PAGE_WIDTH, SMALL, text_width
 
 PALE = "#e4e3df"
 """Grids."""
@@ -75,6 +75,12 @@ def method_legend(figure: Figure, methods: Iterable[str], colors: Mapping[str, s
         handletextpad=0.2,
         columnspacing=1.6,
     )
+
+
+def panel_width(names: Iterable[str], count: int) -> float:
+    """Return inches across each of `count` panels side by side on a page, beside the names of their rows."""
+    beside = max(text_width(name, SMALL) for name in names)
+    return (PAGE_WIDTH - beside) / count - 2 * PAD
 
 
 def guide(axes: Axes, axis: Literal["x", "y", "both"]) -> None:

@@ -5,13 +5,14 @@ A figure is a `matplotlib.figure.Figure` of its own, never one of pyplot's, so t
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Generator
 from contextlib import contextmanager
 from typing import Any
 
 import matplotlib as mpl
+import matplotlib.style
 from matplotlib.figure import Figure
-from matplotlib.font_manager import fontManager
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 PAGE_WIDTH = 7.0
@@ -57,8 +58,11 @@ TEXT_SIZE = 8.0
 SMALL = 7.0
 """Points: labels, and what stands below them."""
 
-_FAMILIES = ("Arial", "Helvetica", "Liberation Sans", "DejaVu Sans")
-"""Three of equal widths, then the one that comes with matplotlib and has every sign."""
+FONT = "DejaVu Sans"
+"""It comes with matplotlib, so a figure looks the same on every machine."""
+
+_WIDE_LETTER = 0.61
+"""Width of a letter in a wide font, as a share of the type's size."""
 
 _STYLE: dict[str, Any] = {
     "figure.dpi": 144,
@@ -106,15 +110,37 @@ def figure_style() -> Generator[None]:
 
     What is made inside keeps the style when it is shown or saved outside.
     """
-    # By name: "sans-serif" would be looked up again, in the style of whoever saves the figure.
-    known = set(fontManager.get_font_names())
-    families = [family for family in _FAMILIES if family in known]
-    style: Any = {
-        **_STYLE,
-        "font.family": families,
-    }  # each version of matplotlib types its keys in its own way
-    with mpl.rc_context(style):
+    # After a reset: what the user's own matplotlibrc says may not fit the page.
+    # The font by name: "sans-serif" would be looked up again, in the style of whoever saves the figure.
+    with mpl.style.context({**_STYLE, "font.family": [FONT]}, after_reset=True):
         yield
+
+
+def text_width(text: str, size: float = TEXT_SIZE) -> float:
+    """Return inches that are enough for the longest line of a text in any usual font."""
+    return _WIDE_LETTER * size / 72 * max(map(len, text.split("\n")))
+
+
+def fold(text: str, width: float, *, size: float = TEXT_SIZE) -> str:
+    """
+    Break a text at spaces so that it fits a width in any usual font.
+
+    Parameters
+    ----------
+    text : str
+        What to write.
+    width : float
+        Inches.
+    size : float, optional
+        Points.
+
+    Returns
+    -------
+    str
+        The same words; one that is longer than a line stays whole.
+    """
+    letters = max(int(width / text_width(" ", size)), 1)
+    return textwrap.fill(text, letters, break_long_words=False, break_on_hyphens=False)
 
 
 def new_figure(height: float, *, width: float = PAGE_WIDTH, gap: float = 0.015) -> Figure:
