@@ -36,9 +36,9 @@ from toonkit.estimation.shape_prior import correct_shape
 from toonkit.methods.steps import inflate_drawing
 from toonkit.methods.todo import LAMBDA, RHO
 from toonkit.methods.toonkit import OPTIONS
+from toonkit.numerics.change_energy import ChangeEnergy
 from toonkit.numerics.membrane import Membrane, solve_membrane
 from toonkit.numerics.smoothness_energy import SmoothnessEnergy
-from toonkit.numerics.change_energy import ChangeEnergy
 from toonkit.numerics.unit_field import solve_unit_field
 from toonkit.numerics.unit_vectors import UnitVectorEnergy
 from toonkit.study.color_maps import load_color_maps
@@ -400,7 +400,7 @@ def main() -> None:
 
 
 def _write(path: Path, rows: list[Row]) -> None:
-    with path.open("w", newline="") as file:
+    with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, fieldnames=list(rows[0]))
         writer.writeheader()
         writer.writerows(

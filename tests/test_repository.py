@@ -17,6 +17,8 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 import toonkit
 from toonkit.estimation.weights import provenance
@@ -27,6 +29,9 @@ PYPROJECT: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text())
 PROJECT: dict[str, Any] = PYPROJECT["project"]
 README = (ROOT / "README.md").read_text()
 DOCUMENTS = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+CONSTRAINTS = [
+    line for line in (ROOT / "constraints.txt").read_text().splitlines() if not line.lstrip().startswith("#")
+]
 HEAVY_PACKAGES = (
     "panel",
     "panel_material_ui",
@@ -113,6 +118,55 @@ def test_conda_and_pip_install_the_same_packages() -> None:
         line for extra in ("test", "study", "training") for line in PROJECT["optional-dependencies"][extra]
     ]
     assert requirements([*from_conda, *(line for line in from_pip if line != "-e .")]) == requirements(wanted)
+
+
+def pinned() -> dict[str, list[str]]:
+    """Package name -> the versions that constraints.txt gives it, one for each of its environment markers."""
+    versions: dict[str, list[str]] = {}
+    for line in CONSTRAINTS:
+        name, version = line.partition(";")[0].strip().split("==")
+        versions.setdefault(canonicalize_name(name), []).append(version)
+    return versions
+
+
+def test_constraints_are_exact_versions_of_the_public_index() -> None:
+    name, version = (
+        r"[A-Za-z0-9._-]+",
+        r"[0-9][0-9a-z.!]*",
+    )  # no address, no hash, no local version such as +cpu
+    unlike = [line for line in CONSTRAINTS if not re.fullmatch(rf"{name}=={version}( ; .+)?", line)]
+    assert CONSTRAINTS
+    assert unlike == []
+
+
+def test_constraints_hold_every_dependency_within_its_bounds() -> None:
+    extras = PROJECT["optional-dependencies"].values()
+    lines = [*PROJECT["dependencies"], *(line for extra in extras for line in extra)]
+    wanted = [Requirement(line) for line in (*lines, *PYPROJECT["build-system"]["requires"])]
+    versions = pinned()
+    assert [one.name for one in wanted if canonicalize_name(one.name) not in versions] == []
+    assert [
+        f"{one} is pinned to {version}"
+        for one in wanted
+        for version in versions[canonicalize_name(one.name)]
+        if version not in one.specifier
+    ] == []
+
+
+def test_the_build_is_pinned_because_constraints_do_not_reach_it() -> None:
+    assert [len(re.findall("==", line)) for line in PYPROJECT["build-system"]["requires"]] == [1]
+
+
+def test_what_readme_installs_is_what_the_tests_ran_with() -> None:
+    installs = re.findall(r"pip install (.*)", README)
+    assert installs
+    assert [line for line in installs if not line.startswith("-c constraints.txt ")] == []
+
+
+def test_what_readme_serves_is_for_this_machine_only() -> None:
+    served = re.findall(r"panel serve ([^`\n]*)", README)
+    assert served
+    assert [line for line in served if "--address localhost" not in line] == []
 
 
 def test_notebooks_are_committed_without_output() -> None:
