@@ -269,6 +269,17 @@ def test_a_reader_that_went_away_ends_it_with_141_and_without_a_traceback():
     assert (done.returncode, done.stderr) == (141, b"")
 
 
+def test_a_terminal_without_a_sign_for_degrees_gets_another(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "toonkit", "analyze", "sample:cat", "--light", "130,42", "-o", tmp_path],
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+        capture_output=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr.count(b"Error")) == (0, 0)
+    assert b"azimuth 130?, elevation 42?" in done.stdout
+
+
 def test_an_interruption_ends_with_130(drawing, tmp_path, monkeypatch, capsys):
     def interrupted(*_, **__):
         raise KeyboardInterrupt

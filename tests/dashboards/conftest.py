@@ -25,7 +25,7 @@ from toonkit.study.table import CSV_NAME, PROVENANCE_NAME, as_table, write_csv
 from toonkit.study.trials import StudySettings, Trial, paint, run_trial
 
 ROOT = Path(__file__).parents[2]
-START_SECONDS = 60
+START_SECONDS = 180  # the first page of a busy machine also compiles
 STUDY_SIZE = 48
 STUDY_SHAPES = ("sphere", "cone")
 STUDY_COLOR_MAPS = ("terracotta", "ocean")

@@ -6,6 +6,7 @@ Everything heavy is imported inside the commands, so that `toonkit --version` an
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import re
 import sys
@@ -49,6 +50,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         0 if all went well, 2 if the input was refused (one line on stderr says why), 130 if interrupted, 141 if nobody
         read the summary to its end.
     """
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(
+            errors="replace"
+        )  # a terminal may not have every sign of the summary, such as the degree
     try:
         arguments = _parser().parse_args(_joined_lights(sys.argv[1:] if argv is None else argv))
         status = int(arguments.run(arguments))
