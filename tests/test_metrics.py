@@ -14,6 +14,8 @@ from toonkit import (
     relight_response,
     shade,
 )
+from toonkit.metrics import leak, response
+from toonkit.model.oklab import oklab_to_srgb
 
 SHAPE = ellipse(20, 14)
 MASK = SHAPE.mask
@@ -95,7 +97,55 @@ def test_turning_every_normal_about_the_view_axis_changes_steep_ones_most():
     assert error.map[middle].max() < 2
 
 
-@pytest.mark.parametrize("measure", [angular_error, color_rmse, color_difference])
+def of_lab(lightness: float, a: float, b: float) -> ToonImage:
+    return ToonImage(np.broadcast_to(oklab_to_srgb([lightness, a, b]), (*MASK.shape, 3)), MASK)
+
+
+RED = of_lab(0.6, 0.1, 0.0)  # of chroma 0.1: it may move 0.05 + 0.25 * 0.1 = 0.075 off its ray
+
+
+@pytest.mark.parametrize(
+    ("after", "share"),
+    [
+        (RED, 0),
+        (of_lab(0.94, 0.02, 0.0), 0),  # lighter and paler, along the ray
+        (of_lab(0.96, 0.02, 0.0), 1),  # lighter than L + 0.35
+        (of_lab(0.25, 0.05, 0.0), 0),
+        (of_lab(0.23, 0.05, 0.0), 1),  # darker than 0.4 L
+        (of_lab(0.6, 0.1, 0.07), 0),
+        (of_lab(0.6, 0.1, 0.08), 1),  # another hue
+        (of_lab(0.6, -0.07, 0.0), 0),  # behind gray the nearest point of the ray is gray
+        (of_lab(0.6, -0.08, 0.0), 1),
+        (of_lab(0.6, 0.19, 0.0), 0),  # more of the same hue
+    ],
+)
+def test_a_color_leaks_where_shading_cannot_move_it(after, share):
+    assert leak(RED, after) == share
+
+
+def test_leak_is_the_share_of_pixels_that_leak():
+    left = np.arange(MASK.shape[1])[None, :, None] < MASK.shape[1] // 2
+    after = ToonImage(np.where(left, of_lab(0.6, 0.0, 0.1).color, RED.color), MASK)
+    assert leak(RED, after) == pytest.approx((MASK & left[..., 0]).sum() / MASK.sum())
+
+
+def test_response_is_the_mean_absolute_change_of_lightness():
+    up = np.arange(MASK.shape[0])[:, None, None] < MASK.shape[0] // 2
+    after = ToonImage(np.where(up, of_lab(0.8, 0.1, 0.0).color, of_lab(0.5, 0.1, 0.0).color), MASK)
+    share = (MASK & up[..., 0]).sum() / MASK.sum()
+    assert response(RED, after) == pytest.approx(0.2 * share + 0.1 * (1 - share))
+    assert response(RED, RED) == 0.0
+
+
+@pytest.mark.parametrize("measure", [leak, response])
+def test_padding_the_picture_changes_neither_leak_nor_response(measure):
+    noise = np.random.default_rng(0).uniform(size=(*MASK.shape, 3))
+    pictures = [painted(SHAPE.normals, SOFT), ToonImage(noise, MASK)]
+    wide = [ToonImage(padded(picture.color, 0.7), padded(MASK, False)) for picture in pictures]
+    assert measure(*wide) == measure(*pictures) > 0
+
+
+@pytest.mark.parametrize("measure", [leak, response, angular_error, color_rmse, color_difference])
 def test_bare_arrays_are_refused(measure):
     with pytest.raises(ToonkitError, match="must be a"):
         measure(SHAPE.x, SHAPE.y)

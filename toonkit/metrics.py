@@ -19,10 +19,17 @@ from toonkit._validation import (
 )
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
+from toonkit.model.oklab import srgb_to_oklab
 from toonkit.numerics.masked_grid import rim_mask
 
 UNCHANGED = 1e-9
 """Color RMSE up to which two pictures are the same but for rounding."""
+
+LEAK_CHROMA = (0.05, 0.25)
+"""How far shading may move a color off the ray of its chroma, in OKLab: so much, and so much of its chroma."""
+
+LEAK_LIGHTER, LEAK_DARKER = 0.35, 0.4
+"""How far shading may raise OKLab lightness, and the share of it that it leaves at least."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,6 +235,72 @@ def relight_response(
     same_mask("true_before", true_before.mask, before.mask, "the estimate")
     truth = color_rmse(true_after, true_before)
     return color_rmse(after, before) / truth if truth > UNCHANGED else float("nan")
+
+
+def leak(before: ToonImage, after: ToonImage) -> float:
+    """
+    Share of pixels whose color moves further than shading can move it: another material's color came in.
+
+    Parameters
+    ----------
+    before, after : ToonImage
+        The drawing, and the same relit.
+
+    Returns
+    -------
+    float
+        0 to 1, over the mask.
+
+    Raises
+    ------
+    ToonkitError
+        If the masks differ.
+
+    Notes
+    -----
+    In OKLab, let a pixel go from lightness L, chroma vector (a, b) and chroma C to L', (a', b'). It leaks if (a', b') is
+    farther than 0.05 + 0.25 C from the ray from gray through (a, b), or if L' > L + 0.35 or L' < 0.4 L.
+    """
+    old, new = _lab_on_object(before, after)
+    chroma = np.linalg.norm(old[:, 1:], axis=1)
+    hue = old[:, 1:] / np.maximum(chroma, 1e-12)[:, None]
+    along = np.maximum(np.sum(new[:, 1:] * hue, axis=1), 0.0)
+    off = np.linalg.norm(new[:, 1:] - along[:, None] * hue, axis=1)
+    base, share = LEAK_CHROMA
+    leaks = off > base + share * chroma
+    leaks |= (new[:, 0] > old[:, 0] + LEAK_LIGHTER) | (new[:, 0] < LEAK_DARKER * old[:, 0])
+    return float(leaks.mean())
+
+
+def response(before: ToonImage, after: ToonImage) -> float:
+    """
+    Mean absolute change of OKLab lightness: how much a new light does, when no truth is known.
+
+    Parameters
+    ----------
+    before, after : ToonImage
+        The drawing, and the same relit.
+
+    Returns
+    -------
+    float
+        0 to 1, over the mask.
+
+    Raises
+    ------
+    ToonkitError
+        If the masks differ.
+    """
+    old, new = _lab_on_object(before, after)
+    return float(np.abs(new[:, 0] - old[:, 0]).mean())
+
+
+def _lab_on_object(before: ToonImage, after: ToonImage) -> tuple[FloatArray, FloatArray]:
+    for name, picture in (("before", before), ("after", after)):
+        of_type(name, picture, ToonImage)
+    same_mask("after", after.mask, before.mask, "the drawing")
+    old, new = (srgb_to_oklab(picture.color[before.mask]) for picture in (before, after))
+    return old, new
 
 
 def _same_object(image: ToonImage, reference: ToonImage) -> None:

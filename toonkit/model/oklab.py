@@ -1,0 +1,77 @@
+"""
+OKLab, a color space in which equal steps look about equal: lightness L in [0, 1], and a, b for hue and chroma.
+
+Source: Björn Ottosson, "A perceptual color space for image processing" (2020), https://bottosson.github.io/posts/oklab/.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from toonkit._validation import FloatArray
+from toonkit.model.luminance import linear_to_srgb, srgb_to_linear
+
+_LMS_OF_LINEAR = np.array(
+    [
+        [0.4122214708, 0.5363325363, 0.0514459929],
+        [0.2119034982, 0.6806995451, 0.1073969566],
+        [0.0883024619, 0.2817188376, 0.6299787005],
+    ]
+)
+"""Cone responses of linear sRGB."""
+
+_OKLAB_OF_ROOTS = np.array(
+    [
+        [0.2104542553, 0.7936177850, -0.0040720468],
+        [1.9779984951, -2.4285922050, 0.4505937099],
+        [0.0259040371, 0.7827717662, -0.8086757660],
+    ]
+)
+"""OKLab of the cube roots of cone responses."""
+
+# Inverted here rather than copied: the published inverses are rounded, and a round trip would err by 1e-8.
+_ROOTS_OF_OKLAB = np.linalg.inv(_OKLAB_OF_ROOTS)
+_LINEAR_OF_LMS = np.linalg.inv(_LMS_OF_LINEAR)
+
+
+def srgb_to_oklab(color: ArrayLike) -> FloatArray:
+    """
+    Convert painted colors to OKLab.
+
+    Parameters
+    ----------
+    color : array_like, shape (..., 3)
+        sRGB in [0, 1]; NaN stays NaN.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        L in [0, 1], a and b within about [-0.4, 0.4].
+
+    Examples
+    --------
+    >>> srgb_to_oklab([1.0, 1.0, 1.0]).round(3).tolist()
+    [1.0, 0.0, -0.0]
+    """
+    roots = np.cbrt(srgb_to_linear(color) @ _LMS_OF_LINEAR.T)
+    lab: FloatArray = roots @ _OKLAB_OF_ROOTS.T
+    return lab
+
+
+def oklab_to_srgb(lab: ArrayLike) -> FloatArray:
+    """
+    Convert OKLab to sRGB: the inverse of `srgb_to_oklab`.
+
+    Parameters
+    ----------
+    lab : array_like, shape (..., 3)
+        L, a, b; NaN stays NaN.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        sRGB. Colors that sRGB does not have lie outside [0, 1].
+    """
+    roots = np.asarray(lab, dtype=np.float64) @ _ROOTS_OF_OKLAB.T
+    return linear_to_srgb(roots**3 @ _LINEAR_OF_LMS.T)
