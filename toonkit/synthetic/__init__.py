@@ -1,0 +1,1 @@
+"""Generated drawings in several materials and ink, of which everything is known."""
