@@ -4,9 +4,9 @@
     python -m benchmarks.materials -o /tmp/materials --folder DRAWINGS
 
 Without a folder it draws scenes whose truth is known, analyzes them under their true light, and compares regions, ink,
-normals, the estimated light and relit pictures with the truth; `drawings.csv` holds one row per drawing. With a folder it takes
-real drawings, whose truth nobody knows, as lit from azimuth 130°, elevation 50°, and measures leak and response under six other
-lights; `folder.csv` holds one row per drawing, and beside it stands a contact sheet of each.
+normals, the estimated light and relit pictures with the truth; `drawings.csv` holds one row per drawing. With a folder it
+takes real drawings, whose truth nobody knows, as lit from azimuth 130°, elevation 50°, and measures leak and response under
+six other lights; `folder.csv` holds one row per drawing, and beside it stands a contact sheet of each.
 
 Seeds are split: choices are tuned on those of one half, and reported on those of the other.
 """
