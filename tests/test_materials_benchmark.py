@@ -15,6 +15,7 @@ from benchmarks.material_sheets import TILE, region_colors, sheet
 from toonkit.metrics import picture_error
 from toonkit.model.decoding import read_pixels
 from toonkit.synthetic.drawing import draw_scene
+from toonkit.synthetic.recipes import RECIPES
 
 EVERYWHERE = np.ones((5, 8), np.bool_)
 SIZE = 48
@@ -67,6 +68,12 @@ def test_the_two_halves_share_no_seed():
     assert len(tuning.intersection(both)) == len(held_out.intersection(both)) == 30
 
 
+def test_neighboring_seeds_draw_every_recipe():
+    first = materials.FIRST_SEEDS["tuning"]
+    names = {materials.drawn(first + step, 16).recipe for step in range(len(RECIPES))}
+    assert names == set(RECIPES)
+
+
 @pytest.fixture(scope="module")
 def row() -> dict[str, str | float]:
     (row,) = materials.measured_drawing("3", size=SIZE)
@@ -74,7 +81,7 @@ def row() -> dict[str, str | float]:
 
 
 def test_a_row_says_what_doing_nothing_is_worth(row):
-    scene = draw_scene(3, size=SIZE)
+    scene = materials.drawn(3, SIZE)
     errors = [
         picture_error(scene.image, scene.relit(toonkit.light_direction(*angles))).rmse
         for angles in materials.LIGHTS
@@ -91,7 +98,7 @@ def test_the_truth_hardly_leaks_and_responds(row):
 
 
 def test_a_perfect_analysis_has_no_error(monkeypatch):
-    scene = draw_scene(3, size=SIZE)
+    scene = materials.drawn(3, SIZE)
     monkeypatch.setattr(toonkit, "relight", lambda _, light: scene.relit(light))
     monkeypatch.setattr(materials, "found_ink", lambda _: scene.ink)
     monkeypatch.setattr(materials, "found_labels", lambda *_: scene.labels)

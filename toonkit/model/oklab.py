@@ -51,8 +51,8 @@ def srgb_to_oklab(color: ArrayLike) -> FloatArray:
 
     Examples
     --------
-    >>> srgb_to_oklab([1.0, 1.0, 1.0]).round(3).tolist()
-    [1.0, 0.0, -0.0]
+    >>> srgb_to_oklab([1.0, 0.0, 0.0]).round(3).tolist()
+    [0.628, 0.225, 0.126]
     """
     roots = np.cbrt(srgb_to_linear(color) @ _LMS_OF_LINEAR.T)
     lab: FloatArray = roots @ _OKLAB_OF_ROOTS.T
