@@ -27,7 +27,6 @@ import toonkit
 from benchmarks.agreement import adjusted_rand_index, f1_score
 from benchmarks.material_sheets import sheet
 from benchmarks.shape_rows import Row, measured_rows, write_rows
-from toonkit.estimation.reading import reading
 from toonkit.export.picture import write_picture
 from toonkit.metrics import leak, picture_error, response
 from toonkit.synthetic.drawing import DrawnScene, draw_scene
@@ -64,9 +63,9 @@ def found_labels(image: toonkit.ToonImage, analysis: toonkit.ToonAnalysis) -> ND
 def found_ink(analysis: toonkit.ToonAnalysis) -> NDArray[np.float64]:
     """Return the share of each pixel (H, W) that an analysis takes for ink."""
     coverage = np.zeros(analysis.image.shape)
-    read = reading(analysis.image)
-    if read.line_art is not None:
-        coverage[read.inked_places] = read.line_art.coverage
+    ink = analysis.drawing.line_art
+    if ink is not None:
+        coverage[analysis.drawing.inked_places] = ink.coverage
     return coverage
 
 

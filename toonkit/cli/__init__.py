@@ -200,7 +200,7 @@ def _summarize(analysis: ToonAnalysis, drawing: str, folder: Path, notes: dict[s
     print(f"light: azimuth {round(azimuth) % 360}°, elevation {elevation:.0f}° ({source})")
     if notes["light_confidence"] is not None and notes["light_confidence"] < UNSURE:
         print("       this light is a guess; if you know where it was, say so with --light AZ,EL")
-    if (share := line_art_share(analysis)) > 0:
+    if (share := line_art_share(analysis.drawing)) > 0:
         print(f"line art: {100 * share:.1f} % of the drawing, which stays as drawn")
     print(f"written to {folder}:")
 

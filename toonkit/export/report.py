@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
+from toonkit.model.image import ToonImage
 from toonkit.model.light import light_angles
 
 
@@ -48,7 +50,7 @@ def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
             "width": width,
             "height": height,
             "mask_pixels": int(analysis.image.mask.sum()),
-            "line_art_share": line_art_share(analysis),
+            "line_art_share": line_art_share(analysis.drawing),
         },
         "color_map": {
             "samples": len(analysis.color_map.colors),
@@ -63,22 +65,23 @@ def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
     }
 
 
-def line_art_share(analysis: ToonAnalysis) -> float:
+def line_art_share(drawing: ToonImage | PreparedDrawing) -> float:
     """
     Return how much of a drawing is line art.
 
     Parameters
     ----------
-    analysis : ToonAnalysis
-        Any method's result.
+    drawing : ToonImage or PreparedDrawing
+        The drawing.
 
     Returns
     -------
     float
         Share of the object's area, 0 to 1.
     """
-    ink = analysis.drawing.line_art
-    return 0.0 if ink is None else float(ink.coverage.sum() / analysis.drawing.grid.size)
+    prepared = prepare(drawing)
+    ink = prepared.line_art
+    return 0.0 if ink is None else float(ink.coverage.sum() / prepared.grid.size)
 
 
 def write_report(report: dict[str, Any], path: PathLike) -> None:
