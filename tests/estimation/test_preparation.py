@@ -9,6 +9,7 @@ from tests.analytic import LIGHT, SOFT, TWO_TONE, blob_mask, ellipse, painted
 from toonkit import (
     METHODS,
     ToonImage,
+    ToonkitError,
     analyze,
     fit_color_map,
     illumination,
@@ -16,6 +17,7 @@ from toonkit import (
     light_direction,
     relight,
 )
+from toonkit.estimation import preparation
 from toonkit.estimation.painted_tones import FLAT, MIXING_REACH
 from toonkit.estimation.preparation import prepare
 from toonkit.model.luminance import srgb_to_linear, tone
@@ -40,6 +42,18 @@ def test_an_analysis_keeps_the_prepared_drawing_and_another_light_reuses_it(meth
     assert analysis.drawing.image is image
     again = analyze(image, light_direction(60, 40), method=method, previous=analysis)
     assert again.drawing is analysis.drawing
+
+
+@pytest.mark.parametrize("method", list(METHODS))
+def test_an_object_too_large_for_the_memory_is_refused_before_any_work(method, monkeypatch):
+    image = soft_ball()
+    monkeypatch.setattr(preparation, "MOST_PIXELS", int(image.mask.sum()) - 1)
+    steps = []
+    with pytest.raises(
+        ToonkitError, match=r"^image must show an object of at most .* reduce the drawing; got 9"
+    ):
+        analyze(image, LIGHT, method=method, progress=lambda step, _: steps.append(step))
+    assert steps == []
 
 
 def test_another_picture_of_the_same_mask_is_prepared_anew():

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from tests.analytic import ellipse
+from toonkit.estimation import silhouette as silhouette_module
 from toonkit.estimation.islands import bounding_box, with_surroundings
-from toonkit.estimation.silhouette import Silhouette, _Outline, trace_silhouette
+from toonkit.estimation.silhouette import Silhouette, _Outline, _smooth_curves, trace_silhouette
 from toonkit.numerics.masked_grid import OUTSIDE, STEPS, MaskedGrid
 
 
@@ -118,6 +119,21 @@ def test_the_outline_is_followed_as_one_would_walk_around_it(seed):
     for first, last in pairwise(outline.starts):
         steps = np.diff(np.vstack([outline.points[first:last], outline.points[first]]), axis=0)
         assert np.linalg.norm(steps, axis=1).max() < 1.5
+
+
+def test_the_many_outlines_of_a_dithered_drawing_are_smoothed_together(monkeypatch):
+    dots = np.kron(np.ones((60, 60)), np.pad(np.ones((1, 1)), ((0, 1), (0, 1)))) > 0
+    dots[:40, :40] |= np.indices((40, 40)).sum(axis=0) % 6 < 3
+    calls = []
+
+    def watched(*arguments, count, **others):
+        calls.append(count)
+        return _smooth_curves(*arguments, count=count, **others)
+
+    monkeypatch.setattr(silhouette_module, "_smooth_curves", watched)
+    _, silhouette = traced(dots, dots.astype(float))
+    assert len(silhouette.pixels) > 10_000
+    assert len(calls) == len(set(calls)) < 50
 
 
 @pytest.mark.parametrize("framed", [False, True], ids=["at the frame", "with pixels around it"])

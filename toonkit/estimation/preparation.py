@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from toonkit._validation import BoolArray, FloatArray, of_type
+from toonkit._validation import BoolArray, FloatArray, of_type, refuse
 from toonkit.estimation.inflation import inflate_islands
 from toonkit.estimation.islands import Island, bounding_box, find_islands, rim_pixels, with_surroundings
 from toonkit.estimation.line_art import LineArt, find_line_art
@@ -18,6 +18,9 @@ from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.numerics.masked_grid import MaskedGrid
+
+MOST_PIXELS = 25_000_000
+"""Pixels of an object at most, 5000 x 5000: an analysis needs up to 400 bytes of memory for each of them."""
 
 TELLING, TELLING_SHARE = 4, 0.25
 """Islands from which the light is estimated, at most, and the least area of one relative to the largest."""
@@ -36,9 +39,21 @@ class PreparedDrawing:
     ----------
     image : ToonImage
         The drawing.
+
+    Raises
+    ------
+    ToonkitError
+        If the object has more than `MOST_PIXELS` pixels.
     """
 
     def __init__(self, image: ToonImage) -> None:
+        pixels = int(np.count_nonzero(image.mask))
+        if pixels > MOST_PIXELS:
+            raise refuse(
+                "image",
+                f"must show an object of at most {MOST_PIXELS:,} pixels; reduce the drawing",
+                f"{pixels:,}",
+            )
         self.image = image
         self.box = bounding_box(image.mask)
 
@@ -167,7 +182,7 @@ def prepare(drawing: ToonImage | PreparedDrawing) -> PreparedDrawing:
     Raises
     ------
     ToonkitError
-        If the drawing is neither.
+        If the drawing is neither, or its object has more than `MOST_PIXELS` pixels.
     """
     if isinstance(drawing, PreparedDrawing):
         return drawing
