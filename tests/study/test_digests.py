@@ -10,6 +10,7 @@ import trimesh
 
 from toonkit import METHODS, ColorMap, ToonImage, light_direction
 from toonkit.estimation import shape_prior, weights
+from toonkit.estimation.preparation import prepare
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.contestants import contestants
 from toonkit.study.digests import (
@@ -66,7 +67,7 @@ def test_a_method_reads_the_weights_that_it_is_said_to_use(method, monkeypatch):
     y, x = np.mgrid[:48, :48] - 23.5
     mask = x**2 + y**2 < 400
     disc = ToonImage(np.where((x > 0)[..., None], 0.9, 0.2) * np.ones(3), mask)
-    contestants()[method].analyze(disc, light_direction(135, 45))
+    contestants()[method].analyze(prepare(disc), light_direction(135, 45))
     assert read == set(NETWORKS_USED[method])
 
 
