@@ -61,7 +61,14 @@ def drawing() -> bytes:
 def serve(port: int) -> subprocess.Popen[bytes]:
     """Start the dashboard and wait until it listens. Nothing of it is warm yet."""
     command = [sys.executable, "-m", "panel", "serve", str(ROOT / "dashboards" / "relight.py")]
-    command += ["--port", str(port), "--allow-websocket-origin", f"127.0.0.1:{port}"]
+    command += [
+        "--port",
+        str(port),
+        "--address",
+        "127.0.0.1",
+        "--allow-websocket-origin",
+        f"127.0.0.1:{port}",
+    ]
     path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     server = subprocess.Popen(
         command, env={**os.environ, "PYTHONPATH": path}, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL

@@ -1,10 +1,15 @@
-"""Relight a drawing: drop a picture, drag the light. Start it with `panel serve dashboards/relight.py`."""
+"""Relight a drawing: drop a picture, drag the light.
+
+Start it with `panel serve dashboards/relight.py --address localhost --show`.
+"""
 
 from __future__ import annotations
 
 import asyncio
 import threading
+import weakref
 from collections.abc import Callable
+from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
@@ -14,14 +19,16 @@ from toonkit import METHODS, ToonAnalysis
 from toonkit.samples import sample_names, sample_path, sample_title
 from toonkit.viz.choice_cards import ChoiceCards, picture_choices, text_choices
 from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading
+from toonkit.viz.relight_page.height_view import HeightView, encode_surface
 from toonkit.viz.relight_page.state import METHOD_DESCRIPTIONS, RelightState, prepare_sample
 from toonkit.viz.relight_page.view import RelightView
+from toonkit.viz.session_end import free_when_left
 
 PICTURE_TYPES = ["image/png", "image/jpeg", "image/webp", "image/tiff", ".tif", ".tiff"]
 LARGEST_FILE = "60MB"
 
 PICTURE_FIRST_SECONDS = 0.4
-TabMaker = Callable[[ToonAnalysis], pn.Column]
+TabMaker = Callable[[ToonAnalysis], Any]
 
 TAB_SIZE = {"height": 380, **WIDE}
 
@@ -72,7 +79,7 @@ def drawing_picker(state: RelightState) -> pn.Column:
     """Return the thumbnails of the samples and the place to drop a picture."""
     cards = ChoiceCards(
         choices=picture_choices({name: (sample_title(name), sample_path(name)) for name in sample_names()}),
-        value=state.param.sample,
+        value=state.sample,
         columns=3,
         label="Sample drawing",
         margin=(2, 12, 8, 12),
@@ -90,19 +97,23 @@ def drawing_picker(state: RelightState) -> pn.Column:
     )
 
     async def choose(name: str) -> None:
-        if name and name != state.sample:
+        if name == state.sample:
+            state.cancel()  # back on the card of what is on screen, while another drawing is being opened
+        elif name:
             try:
                 await state.open_sample(name)
             finally:
-                cards.value = state.sample
+                if cards.value == name:  # not when another card was chosen meanwhile
+                    cards.value = state.sample
 
     async def dropped(files: dict[str, bytes]) -> None:
         # The widget changes this dictionary when the next file is dropped, which may be before this one is analyzed.
         for content in tuple(files.values()):
             await state.open_file(content)
 
-    pn.bind(choose, cards, watch=True)
-    pn.bind(dropped, dropper, watch=True)
+    state.param.watch(lambda event: cards.param.update(value=event.new), "sample")
+    pn.bind(choose, cards.param.value, watch=True)
+    pn.bind(dropped, dropper.param.value, watch=True)
     return pn.Column(heading("Drawing"), cards, dropper, **WIDE)
 
 
@@ -143,38 +154,50 @@ def downloads(state: RelightState) -> pn.Column:
     return pn.Column(heading("Download"), *buttons, **WIDE)
 
 
-# HoloViews and PyVista take seconds to import, and the first picture needs neither: each tab imports its own, once
-# the page stands. Not in a thread, where Panel would meet modules that are only half imported.
-def color_map_tab() -> TabMaker:
+# HoloViews takes seconds to import, and the first picture does not need it: each tab imports its own, once the page
+# stands. Not in a thread, where Panel would meet modules that are only half imported.
+def color_map_tab(box: pn.Column) -> TabMaker:
     from toonkit.viz.elements import color_map_fit  # noqa: PLC0415
 
-    return lambda shown: tab_content(COLOR_MAP_NOTE, pn.pane.HoloViews(color_map_fit(shown), **TAB_SIZE))
+    def make(shown: ToonAnalysis) -> Callable[[], None]:
+        pane = pn.pane.HoloViews(color_map_fit(shown), **TAB_SIZE)
+        return lambda: fill(box, COLOR_MAP_NOTE, pane)
+
+    return make
 
 
-def normal_map_tab() -> TabMaker:
+def normal_map_tab(box: pn.Column) -> TabMaker:
     from toonkit.viz.elements import normal_map  # noqa: PLC0415
 
-    def make(shown: ToonAnalysis) -> pn.Column:
+    def make(shown: ToonAnalysis) -> Callable[[], None]:
         rows, columns = shown.normals.shape
         height = TAB_SIZE["height"]
         # As wide as its shape asks for: stretched over the page, pixels would not be square.
         element = normal_map(shown.normals).opts(
             responsive=False, height=height, width=height * columns // rows
         )
-        return tab_content(NORMAL_MAP_NOTE, pn.pane.HoloViews(element, sizing_mode="fixed"))
+        return lambda: fill(box, NORMAL_MAP_NOTE, pn.pane.HoloViews(element, sizing_mode="fixed"))
 
     return make
 
 
-def shape_tab() -> TabMaker:
-    from toonkit.viz.relight_page.height_pane import HeightPane  # noqa: PLC0415
-    from toonkit.viz.scene import height_scene  # noqa: PLC0415
+def shape_tab(box: pn.Column) -> TabMaker:
+    def make(shown: ToonAnalysis) -> Callable[[], None]:
+        surface = encode_surface(shown.normals, shown.image)
 
-    def make(shown: ToonAnalysis) -> pn.Column:
-        plotter = height_scene(shown.normals, shown.image).plotter()
-        return tab_content(SHAPE_NOTE, HeightPane(plotter.render_window, **TAB_SIZE))
+        def show() -> None:
+            # One view for all surfaces: it keeps its graphics context, and the visitor's point of view.
+            if not box:
+                fill(box, SHAPE_NOTE, HeightView(**TAB_SIZE))
+            box[-1].param.update(**surface)
+
+        return show
 
     return make
+
+
+def fill(box: pn.Column, text: str, pane: pn.viewable.Viewable) -> None:
+    box[:] = [note(text), pane]
 
 
 TABS = {"Color map": color_map_tab, "Normal map": normal_map_tab, "Shape in 3-D": shape_tab}
@@ -185,28 +208,24 @@ def insight(state: RelightState) -> pmui.Tabs:
     boxes = [pn.Column(min_height=TAB_SIZE["height"], **WIDE) for _ in TABS]
     tabs = pmui.Tabs(*zip(TABS, boxes, strict=True), **WIDE)
     on_screen = pn.rx(False)
-    filled: dict[int, ToonAnalysis] = {}
+    filled: dict[int, weakref.ref[ToonAnalysis]] = {}
 
-    async def fill(active: int, shown: ToonAnalysis | None, ready: bool) -> None:
-        if shown is None or not ready or filled.get(active) is shown:
+    async def show(active: int, shown: ToonAnalysis | None, ready: bool) -> None:
+        if shown is None or not ready or (active in filled and filled[active]() is shown):
             return
-        filled[active] = shown
+        filled[active] = weakref.ref(shown)
         await asyncio.sleep(PICTURE_FIRST_SECONDS)
-        make = list(TABS.values())[active]()
-        content = await asyncio.to_thread(make, shown)
-        if filled[active] is shown:
-            boxes[active][:] = [content]
+        make = list(TABS.values())[active](boxes[active])
+        put = await asyncio.to_thread(make, shown)
+        if filled[active]() is shown:
+            put()
 
     def loaded() -> None:
         on_screen.rx.value = True
 
-    pn.bind(fill, tabs.param.active, state.param.analysis, on_screen, watch=True)
+    pn.bind(show, tabs.param.active, state.param.analysis, on_screen, watch=True)
     pn.state.onload(loaded)
     return tabs
-
-
-def tab_content(text: str, pane: pn.viewable.Viewable) -> pn.Column:
-    return pn.Column(note(text), pane, **WIDE)
 
 
 def note(text: str) -> pmui.Typography:
@@ -230,6 +249,7 @@ def relight_page() -> pmui.Page:
         await state.open_sample(sample_names()[0])
 
     pn.state.onload(first_picture)
+    free_when_left(page, state.close)
     return page
 
 
@@ -240,7 +260,7 @@ def start_with(name: str) -> threading.Thread:
     return thread
 
 
-pn.extension("vtk", "filedropper", notifications=True, exception_handler=error_reporter("relight page"))
+pn.extension("filedropper", notifications=True, exception_handler=error_reporter("relight page"))
 
 if pn.state.served:
     pn.state.as_cached("first sample", start_with, name=sample_names()[0])

@@ -1,6 +1,7 @@
 """Look into a study: a heat map of any measure, and every trial behind it.
 
-Start it with `panel serve dashboards/study.py`, or with `--args FOLDER` behind that for a study of your own.
+Start it with `panel serve dashboards/study.py --address localhost --show`, or with `--args FOLDER` behind that for a
+study of your own.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from toonkit import ToonkitError
 from toonkit.study.table import load_trials, settings_of
 from toonkit.viz.choice_cards import ChoiceCards, text_choices
 from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading
+from toonkit.viz.session_end import free_when_left
 from toonkit.viz.study_page.elements import live_heat_map
 from toonkit.viz.study_page.examination import Examination
 from toonkit.viz.study_page.matrix import spoken
@@ -142,13 +144,15 @@ def study_page(folder: Path) -> pmui.Page:
     except ToonkitError as error:
         return page([no_study(folder, error)], [])
     pn.state.onload(state.examine)
-    return page([heat_map_card(state), trial_card(state)], sidebar(state))
+    shown = page([heat_map_card(state), trial_card(state)], sidebar(state))
+    free_when_left(shown, state.close)
+    return shown
 
 
 def no_study(folder: Path, error: ToonkitError) -> pmui.Alert:
     return pmui.Alert(
         f"**There is no study to show in `{folder}`.** Run one and show it:\n\n"
-        "```\ntoonkit study run -o study/\npanel serve dashboards/study.py --args study/\n```\n\n"
+        "```\ntoonkit study run -o study/\npanel serve dashboards/study.py --address localhost --show --args study/\n```\n\n"
         f"What is wrong: {error}",
         severity="info",
         **WIDE,

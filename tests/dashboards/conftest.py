@@ -26,6 +26,7 @@ from toonkit.study.trials import StudySettings, Trial, paint, run_trial
 
 ROOT = Path(__file__).parents[2]
 START_SECONDS = 180  # the first page of a busy machine also compiles
+LEAVE_SECONDS = 60
 STUDY_SIZE = 48
 STUDY_SHAPES = ("sphere", "cone")
 STUDY_COLOR_MAPS = ("terracotta", "ocean")
@@ -51,6 +52,10 @@ def served(name, log, *arguments):
         "127.0.0.1",
         "--allow-websocket-origin",
         f"127.0.0.1:{port}",
+        "--check-unused-sessions",
+        "1000",
+        "--plugins",
+        "tests.dashboards.census",
     ]
     command += ["--args", *map(str, arguments)] if arguments else []
     path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
@@ -88,6 +93,7 @@ def study_folder(tmp_path_factory):
                 trial = Trial(shape, name, method, "given")
                 records.append(run_trial(trial, SHAPES[shape].kind, painting, contestant))
     records[-1] = replace(records[-1], angular_error=np.nan, error="ToonkitError: no shape")
+    records += [replace(record, light_track="estimated") for record in records]
     write_csv(as_table(records), folder / CSV_NAME)
     (folder / PROVENANCE_NAME).write_text(json.dumps({"settings": asdict(settings)}))
     return folder
@@ -97,6 +103,20 @@ def study_folder(tmp_path_factory):
 def study_url(tmp_path_factory, study_folder):
     with served("study", tmp_path_factory.mktemp("serve") / "log", study_folder) as url:
         yield url
+
+
+def census(url):
+    """What the server of a page still holds: how many of its objects, and the longest sides of its analyses."""
+    with urlopen(url.rsplit("/", 1)[0] + "/census", timeout=START_SECONDS) as answer:
+        return json.load(answer)
+
+
+def wait_until_all_have_left(url):
+    """The census once no session is left, or the last one when some never end."""
+    end = time.monotonic() + LEAVE_SECONDS
+    while (found := census(url))["counts"] and time.monotonic() < end:
+        time.sleep(1)
+    return found
 
 
 def _wait_for(url, server, log):

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from io import BytesIO
 
 import numpy as np
 import pytest
 from PIL import Image
+
+from tests.dashboards.conftest import wait_until_all_have_left
 
 pytestmark = pytest.mark.browser
 
@@ -16,6 +19,60 @@ def relit_pixels(page):
     box = page.locator(".card.relit .stage").bounding_box()
     shot = page.screenshot(clip=box)
     return np.asarray(Image.open(BytesIO(shot)).convert("RGB"), dtype=int)
+
+
+def original_pixels(page):
+    """The drawing as painted on screen."""
+    shot = page.screenshot(clip=page.locator(".card.original .stage").bounding_box())
+    return np.asarray(Image.open(BytesIO(shot)).convert("RGB"), dtype=int)
+
+
+def surface_pixels(page):
+    """The canvas of the 3-D tab as painted on screen, its arrows included."""
+    page.locator(".surface canvas").scroll_into_view_if_needed()
+    page.wait_for_timeout(300)
+    shot = page.locator(".surface canvas").screenshot()
+    return np.asarray(Image.open(BytesIO(shot)).convert("RGB"), dtype=int)
+
+
+def differ(one, other):
+    """The share of pixels in which two pictures of one size differ clearly."""
+    rows = min(len(one), len(other))
+    return (np.abs(one[:rows] - other[:rows]).max(axis=-1) > 30).mean()
+
+
+def until(page, condition, seconds=60):
+    """Wait for what a loaded machine shows late; whether it came."""
+    end = time.monotonic() + seconds
+    while not (come := condition()) and time.monotonic() < end:
+        page.wait_for_timeout(200)
+    return come
+
+
+def upload_ball(page, side):
+    """Drop a drawing of a ball, and wait until it is on screen."""
+    y, x = np.mgrid[:side, :side] - side / 2 + 0.5
+    tone = np.where(x + y < 0, 230, 120)
+    alpha = np.where(np.hypot(x, y) < 0.42 * side, 255, 0)
+    buffer = BytesIO()
+    Image.fromarray(np.dstack([tone, tone, tone, alpha]).astype(np.uint8)).save(buffer, "PNG")
+    page.locator("input[type=file]").set_input_files(
+        {"name": "ball.png", "mimeType": "image/png", "buffer": buffer.getvalue()}
+    )
+    page.wait_for_function(
+        "size => [...Bokeh.documents[0]._all_models.values()]"
+        ".some(m => m.data?.attributes?.picture_size && m.data.picture_size[0] === size)",
+        arg=side,
+        timeout=60_000,
+    )
+    wait_until_idle(page)
+
+
+def open_shape(page):
+    """Open the 3-D tab, and wait until a surface stands there."""
+    page.get_by_role("tab", name="Shape in 3-D").click()
+    page.wait_for_selector(".surface canvas", timeout=60_000)
+    assert until(page, lambda: np.ptp(surface_pixels(page)[20:-20], axis=(0, 1)).max() > 60)
 
 
 def sliders(page, card):
@@ -104,22 +161,7 @@ def test_a_picture_that_cannot_be_read_is_reported_and_nothing_changes(relight_p
 
 
 def test_a_picture_of_ones_own_is_analyzed(relight_page):
-    side = 96
-    y, x = np.mgrid[:side, :side] - side / 2 + 0.5
-    radius = np.hypot(x, y)
-    tone = np.where(x + y < 0, 230, 120)
-    pixels = np.dstack([tone, tone, tone, np.where(radius < 40, 255, 0)]).astype(np.uint8)
-    buffer = BytesIO()
-    Image.fromarray(pixels).save(buffer, "PNG")
-    relight_page.locator("input[type=file]").set_input_files(
-        {"name": "ball.png", "mimeType": "image/png", "buffer": buffer.getvalue()}
-    )
-    relight_page.wait_for_function(
-        "size => [...Bokeh.documents[0]._all_models.values()]"
-        ".some(m => m.data?.attributes?.picture_size && m.data.picture_size[0] === size)",
-        arg=side,
-        timeout=30_000,
-    )
+    upload_ball(relight_page, 96)
     assert (
         relight_page.locator('[data-value][aria-checked="true"]').count() == 1
     )  # no sample is chosen any more
@@ -134,12 +176,130 @@ def test_the_relit_picture_is_downloaded_with_its_transparency(relight_page):
         assert (low, high) == (0, 255)
 
 
+def test_the_normal_map_is_downloaded(relight_page):
+    with relight_page.expect_download() as started:
+        relight_page.get_by_text("Normal map", exact=True).first.click()
+    with Image.open(started.value.path()) as picture:
+        assert started.value.suggested_filename == "normal_map.png"
+        assert np.asarray(picture)[..., 2].max() > 250  # something faces the viewer
+
+
+def test_a_clicked_sample_is_opened(relight_page):
+    before = original_pixels(relight_page)
+    relight_page.locator('[data-value="donut"]').click()
+    assert until(relight_page, lambda: differ(original_pixels(relight_page), before) > 0.05)
+    assert relight_page.locator('[data-value="donut"]').get_attribute("aria-checked") == "true"
+
+
+def test_the_cards_follow_the_drawing_after_a_click_too(relight_page):
+    before = original_pixels(relight_page)
+    relight_page.locator('[data-value="donut"]').click()
+    assert until(relight_page, lambda: differ(original_pixels(relight_page), before) > 0.05)
+    donut = original_pixels(relight_page)
+    upload_ball(relight_page, 96)
+    checked = relight_page.locator('[data-value][aria-checked="true"]')
+    assert until(relight_page, lambda: checked.count() == 1)  # the method
+    relight_page.locator('[data-value="donut"]').click()
+    assert until(relight_page, lambda: differ(original_pixels(relight_page), donut) < 0.001)
+    assert checked.count() == 2
+
+
+def test_an_arrow_key_opens_the_next_sample(relight_page):
+    before = original_pixels(relight_page)
+    relight_page.locator('[aria-label="Sample drawing"] [aria-checked="true"]').focus()
+    relight_page.keyboard.press("ArrowRight")
+    cards = relight_page.locator('[aria-label="Sample drawing"] [data-value]')
+    assert cards.nth(1).get_attribute("aria-checked") == "true"
+    assert cards.nth(1).evaluate("card => card.matches(':focus')")
+    assert until(relight_page, lambda: differ(original_pixels(relight_page), before) > 0.05)
+
+
+def test_without_brushwork_the_picture_is_another(relight_page):
+    cat = original_pixels(relight_page)
+    relight_page.locator('[data-value="fish"]').click()
+    assert until(relight_page, lambda: differ(original_pixels(relight_page), cat) > 0.05)
+    before = relit_pixels(relight_page)
+    relight_page.get_by_role("switch", name="Keep brushwork").click()
+    assert until(relight_page, lambda: np.abs(relit_pixels(relight_page) - before).max() > 10)
+
+
+def test_a_moved_original_light_is_analyzed_and_estimate_finds_another(relight_page):
+    before = relit_pixels(relight_page)
+    drag(relight_page, ".card.original .ball-box", (0.6, -0.2))
+    moved = sliders(relight_page, "original")
+    assert until(relight_page, lambda: np.abs(relit_pixels(relight_page) - before).max() > 10)
+    relight_page.get_by_role("button", name="Estimate").click()
+    assert until(relight_page, lambda: sliders(relight_page, "original") != moved)
+
+
 def test_the_tabs_show_color_map_normal_map_and_shape(relight_page):
     relight_page.wait_for_selector(".bk-Figure", timeout=30_000)
     relight_page.get_by_role("tab", name="Normal map").click()
     relight_page.wait_for_selector("text=/which way the surface faces/i", timeout=30_000)
     relight_page.get_by_role("tab", name="Shape in 3-D").click()
     relight_page.wait_for_selector("text=/recovered surface/i", timeout=60_000)
+
+
+def test_the_shape_tab_shows_each_new_drawing_and_method(relight_page):
+    open_shape(relight_page)
+    for value in ("donut", "lumo"):
+        before = surface_pixels(relight_page)
+        relight_page.locator(f'[data-value="{value}"]').click()
+        assert until(relight_page, lambda before=before: differ(surface_pixels(relight_page), before) > 0.005)
+        relight_page.wait_for_timeout(1000)
+
+
+def test_the_shape_tab_survives_switches_in_any_order(relight_page):
+    open_shape(relight_page)
+    first = surface_pixels(relight_page)
+    for order in (("Color map",), ("Normal map", "Color map"), ("Color map", "Shape in 3-D", "Normal map")):
+        for name in order:
+            relight_page.get_by_role("tab", name=name).click()
+            relight_page.wait_for_timeout(300)
+        open_shape(relight_page)
+        assert until(relight_page, lambda: differ(surface_pixels(relight_page), first) < 0.001)
+    relight_page.get_by_role("tab", name="Normal map").click()
+    relight_page.locator('[data-value="donut"]').click()  # a new drawing while another tab is open
+    open_shape(relight_page)
+    assert until(relight_page, lambda: differ(surface_pixels(relight_page), first) > 0.02)
+
+
+def test_the_surface_is_turned_by_hand_and_by_keys_and_its_arrows_can_be_hidden(relight_page):
+    open_shape(relight_page)
+    first = surface_pixels(relight_page)
+    relight_page.get_by_role("button", name="Normals").click()
+    bare = surface_pixels(relight_page)
+    assert 0.0005 < differ(bare, first) < 0.1
+    drag(relight_page, ".surface canvas", (0.3, 0.1))
+    dragged = surface_pixels(relight_page)
+    assert differ(dragged, bare) > 0.01
+    relight_page.locator(".surface canvas").focus()
+    relight_page.keyboard.press("ArrowLeft")
+    assert differ(surface_pixels(relight_page), dragged) > 0.005
+    relight_page.get_by_role("button", name="Reset view").click()
+    assert differ(surface_pixels(relight_page), bare) < 0.001
+
+
+def test_the_surface_stands_on_the_pages_own_ground_in_either_theme(relight_page):
+    open_shape(relight_page)
+    assert surface_pixels(relight_page)[-5:, :5].max() < 80
+    relight_page.get_by_role("button", name="Toggle theme").click()
+    relight_page.wait_for_timeout(800)
+    assert surface_pixels(relight_page)[-5:, :5].min() > 200
+
+
+def test_what_visitors_brought_is_freed_once_they_have_left(browser, relight_url):
+    side = 100  # of no other drawing
+    for _ in range(3):
+        page = browser.new_page()
+        page.goto(relight_url)
+        page.wait_for_selector(".relight:not(.empty)", timeout=60_000)
+        upload_ball(page, side)
+        open_shape(page)
+        page.close()
+    found = wait_until_all_have_left(relight_url)
+    assert found["counts"] == {}
+    assert side not in found["analyses"]
 
 
 def test_without_webgl_python_paints_the_picture(page, relight_url, complaints):

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import runpy
+import time
 from pathlib import Path
 
 import pytest
+
+from tests.dashboards.conftest import wait_until_all_have_left
 
 pytestmark = pytest.mark.browser
 
@@ -63,6 +66,39 @@ def test_a_click_on_a_cell_or_a_name_shows_that_trial(study_page):
     shown.append(pictures(study_page, "cone in ocean"))
     assert study_page.get_by_text("Cone in ocean").is_visible()
     assert len(set(shown)) == 3
+
+
+def test_buttons_select_telling_trials_and_a_color_map_can_be_chosen(study_page):
+    titles = []
+    for name in ("Best", "Worst", "Typical"):
+        study_page.get_by_role("button", name=name).click()
+        study_page.wait_for_timeout(500)
+        titles.append(study_page.locator("text=/^(Sphere|Cone) in (terracotta|ocean)$/").inner_text())
+        pictures(study_page, titles[-1].lower())
+    assert titles[0] != titles[1]
+    other = {"terracotta": "ocean", "ocean": "terracotta"}[titles[-1].split()[-1]]
+    choose(study_page, "Color map", other)
+    assert pictures(study_page, f"{titles[-1].split()[0].lower()} in {other}")
+
+
+def test_the_other_light_track_is_examined_with_estimated_lights(study_page):
+    trial = study_page.locator(".sheet").get_attribute("aria-label")
+    before = pictures(study_page, trial)
+    choose(study_page, "Light", "estimated from the picture")
+    sheet = study_page.locator(f'.sheet[aria-label="{trial}"]')
+    end = time.monotonic() + 60
+    while tuple(image.get_attribute("src") for image in sheet.locator(".tile img").all()) == before:
+        assert time.monotonic() < end
+        study_page.wait_for_timeout(200)
+
+
+def test_a_study_page_is_freed_once_its_visitor_has_left(browser, study_url):
+    for _ in range(2):
+        page = browser.new_page()
+        page.goto(study_url)
+        page.wait_for_selector(".bk-Figure", timeout=60_000)
+        page.close()
+    assert wait_until_all_have_left(study_url)["counts"] == {}
 
 
 def test_without_a_study_the_page_says_how_to_make_one(tmp_path, monkeypatch):

@@ -24,7 +24,7 @@ def run(work):
 
 @pytest.fixture(autouse=True)
 def nothing_kept():
-    relight_state._kept.clear()
+    relight_state._samples.clear()
 
 
 @pytest.fixture

@@ -47,9 +47,27 @@ function render({model}) {
     }))
     mark()
   }
+  // As in any radio group, Tab reaches the chosen card, and the arrow keys go on from there.
   function mark() {
-    for (const card of list.children) { card.setAttribute("aria-checked", card.dataset.value === model.value) }
+    const cards = [...list.children]
+    const chosen = cards.find((card) => card.dataset.value === model.value)
+    for (const card of cards) {
+      card.setAttribute("aria-checked", card === chosen)
+      card.tabIndex = card === (chosen ?? cards[0]) ? 0 : -1
+    }
   }
+  const steps = {ArrowRight: () => 1, ArrowLeft: () => -1, ArrowDown: () => model.columns, ArrowUp: () => -model.columns}
+  list.addEventListener("keydown", (event) => {
+    const cards = [...list.children]
+    const here = cards.indexOf(event.target.closest("button"))
+    if (here < 0 || !(event.key in steps)) { return }
+    event.preventDefault()
+    const next = cards[here + steps[event.key]()]
+    if (next) {
+      next.focus()
+      model.value = next.dataset.value
+    }
+  })
   model.on("change:value", mark)
   model.on(["change:choices", "change:columns"], fill)
   fill()

@@ -8,16 +8,11 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 
-from toonkit._validation import FloatArray, refuse, same_shape
-from toonkit.heightfield import HeightField, height_map
+from toonkit._validation import FloatArray, same_shape
+from toonkit.heightfield import HeightField
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
-
-DEFAULT_SIZE = 128
-"""Longest side, in samples, of the surface: what a browser gets in about a second."""
-
-ARROWS_ACROSS = 16
-"""Arrows along the longest side."""
+from toonkit.viz.height_grid import DEFAULT_SIZE, HeightGrid, reduce_to_grid
 
 ARROW_COLOR = "#e8862e"
 CLAY = np.array([0.79, 0.77, 0.74])
@@ -56,7 +51,7 @@ class HeightScene:
         Returns
         -------
         pyvista.Plotter
-            For `show`, `screenshot`, `export_html`, or its `render_window` for Panel's VTK pane.
+            For `show`, `screenshot` or `export_html`.
         """
         plotter = pv.Plotter(off_screen=off_screen)
         plotter.set_background(background)
@@ -98,15 +93,11 @@ def height_scene(
     ToonkitError
         If the size is below 8, or the reduced object is too small to have a shape.
     """
-    if size < 8:
-        raise refuse("size", "must be at least 8 samples", size)
-    step = -(-max(normals.shape) // size)
-    reduced = NormalField(normals.vectors[::step, ::step], normals.mask[::step, ::step])
-    field = height_map(reduced)
+    grid = reduce_to_grid(normals, size=size)
     if color is None:
-        return HeightScene(_surface(field, None), _arrows(field, reduced))
+        return HeightScene(_surface(grid.field, None), _arrows(grid))
     same_shape("color", color.shape, normals.shape, "the normals")
-    return HeightScene(_surface(field, color.color[::step, ::step]), _arrows(field, reduced))
+    return HeightScene(_surface(grid.field, color.color[:: grid.step, :: grid.step]), _arrows(grid))
 
 
 def _surface(field: HeightField, color: FloatArray | None) -> pv.PolyData:
@@ -124,17 +115,15 @@ def _surface(field: HeightField, color: FloatArray | None) -> pv.PolyData:
     return surface
 
 
-def _arrows(field: HeightField, normals: NormalField) -> pv.PolyData:
+def _arrows(grid: HeightGrid) -> pv.PolyData:
     """Arrows along the normals on a coarse grid of object pixels."""
-    spacing = max(1, round(max(field.mask.shape) / ARROWS_ACROSS))
-    chosen = np.zeros_like(field.mask)
-    chosen[spacing // 2 :: spacing, spacing // 2 :: spacing] = True
-    feet = pv.PolyData(_points(field)[chosen[field.mask]])
-    feet.point_data["normal"] = normals.vectors[field.mask & chosen].astype(np.float32)
+    mask, chosen = grid.field.mask, grid.arrow_feet
+    feet = pv.PolyData(_points(grid.field)[chosen[mask]])
+    feet.point_data["normal"] = grid.normals.vectors[mask & chosen].astype(np.float32)
     arrow = pv.Arrow(
         tip_length=0.35, tip_radius=0.11, shaft_radius=0.04, tip_resolution=10, shaft_resolution=8
     )
-    return feet.glyph(orient="normal", scale=False, factor=0.9 * spacing, geom=arrow)
+    return feet.glyph(orient="normal", scale=False, factor=0.9 * grid.arrow_spacing, geom=arrow)
 
 
 def _points(field: HeightField) -> NDArray[np.float32]:

@@ -33,7 +33,7 @@ METHOD_DESCRIPTIONS = {
 DEFAULT_METHOD = "toonkit"
 
 KEPT_ANALYSES = 6
-"""Analyses kept for going back to a method or a sample without waiting."""
+"""Analyses kept for going back to a method or a sample without waiting: of the samples, and of a visitor's own."""
 
 KEPT_PIXELS = 1_500_000
 """Pictures larger than this are not kept: an analysis of one takes some 200 bytes a pixel."""
@@ -47,7 +47,11 @@ Key = tuple[str, str, tuple[float, ...]]
 Result = TypeVar("Result")
 
 
-_kept: OrderedDict[Key, ToonAnalysis] = OrderedDict()
+Kept = OrderedDict[Key, ToonAnalysis]
+
+_samples: Kept = (
+    OrderedDict()
+)  # of the samples, for all visitors; pictures of their own are kept with their state
 _at_work = threading.Lock()  # one analysis at a time: it uses every core, and numba's threads do not share
 
 
@@ -86,6 +90,7 @@ class RelightState(param.Parameterized):
         super().__init__(**params)
         self._stop = threading.Event()
         self._turn = asyncio.Lock()
+        self._own: Kept = OrderedDict()
 
     async def open_sample(self, name: str) -> None:
         """Open a drawing that ships with toonkit, under its own light."""
@@ -115,6 +120,13 @@ class RelightState(param.Parameterized):
         """End the computation under way, if there is one."""
         self._stop.set()
 
+    def close(self) -> None:
+        """End what is under way, and let go of everything large: the visitor has left."""
+        self.cancel()
+        self._own.clear()
+        with param.parameterized.discard_events(self):
+            self.analysis = None
+
     def relit(self) -> ToonImage:
         """Return the picture on screen under the new light."""
         light = toonkit.light_direction(*self.new_light)
@@ -133,12 +145,13 @@ class RelightState(param.Parameterized):
     async def _analyze(self, image: ToonImage, angles: list[float] | None, *, sample: str) -> None:
         method = self.method
         key = (_digest(image), method, tuple(angles or ()))
-        analysis = _kept.get(key)
+        kept = _samples if sample else self._own
+        analysis = kept.get(key)
         if analysis is None:
             shown = self.analysis
             previous = shown if shown is not None and shown.image is image else None
             analysis = await self._work(
-                "reading the drawing", lambda progress: _analyze_once(key, image, progress, previous)
+                "reading the drawing", lambda progress: _analyze_once(key, image, progress, previous, kept)
             )
         else:
             self.cancel()
@@ -200,26 +213,26 @@ def prepare_sample(name: str) -> None:
     """Analyze a sample ahead of time, so that the next page to open it need not wait."""
     image = toonkit.load_image(sample_path(name))
     key = (_digest(image), DEFAULT_METHOD, sample_light(name))
-    _analyze_once(key, image, lambda _step, _fraction: None, None)
+    _analyze_once(key, image, lambda _step, _fraction: None, None, _samples)
 
 
 def _analyze_once(
-    key: Key, image: ToonImage, progress: Progress, previous: ToonAnalysis | None
+    key: Key, image: ToonImage, progress: Progress, previous: ToonAnalysis | None, kept: Kept
 ) -> ToonAnalysis:
     """Analyze a picture, from an earlier answer if there is one, or wait for whoever is analyzing it already."""
     while not _at_work.acquire(timeout=PROGRESS_SECONDS):
         progress("waiting for another drawing", 0.0)
     try:
-        if key not in _kept:
+        if key not in kept:
             _, method, angles = key
             light = toonkit.light_direction(*angles) if angles else None
             analysis = toonkit.analyze(image, light, method=method, previous=previous, progress=progress)
             if image.mask.size > KEPT_PIXELS:
                 return analysis
-            _kept[key] = analysis
-            while len(_kept) > KEPT_ANALYSES:
-                _kept.popitem(last=False)
-        return _kept[key]
+            kept[key] = analysis
+            while len(kept) > KEPT_ANALYSES:
+                kept.popitem(last=False)
+        return kept[key]
     finally:
         _at_work.release()
 

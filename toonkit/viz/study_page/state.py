@@ -171,6 +171,10 @@ class StudyState(param.Parameterized):
         """Return the cell in which the method does worst, or loses most against the other."""
         return self._ranked(1.0)
 
+    def close(self) -> None:
+        """End the examination under way: the visitor has left."""
+        self._stop.set()
+
     def _ranked(self, share: float) -> Cell:
         matrix = self.matrix()
         distance = matrix.values if self.versus else np.abs(matrix.values - matrix.measure.ideal)
