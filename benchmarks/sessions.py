@@ -73,7 +73,7 @@ def drawing(visit: int, size: int) -> bytes:
 def visit(browser: Browser, url: str, content: bytes | None, size: int) -> None:
     """Open the page, drop a drawing if there is one, and leave once it is relit."""
     page = browser.new_page(viewport={"width": 1280, "height": 720})
-    page.goto(url)
+    page.goto(url, timeout=120_000)
     page.wait_for_selector(".relight:not(.empty)", timeout=120_000)
     page.wait_for_selector(".busy:not(.on)", state="attached", timeout=120_000)
     if content is not None:

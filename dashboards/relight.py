@@ -235,9 +235,10 @@ def note(text: str) -> pmui.Typography:
 def relight_page() -> pmui.Page:
     """Return the page for one visitor, with the first sample on its way."""
     state = RelightState()
+    view = stage(state)
     page = pmui.Page(
         title="toonkit · relight a drawing",
-        main=[pn.Column(stage(state), insight(state), margin=16, **WIDE)],
+        main=[pn.Column(view, insight(state), margin=16, **WIDE)],
         sidebar=[drawing_picker(state), method_picker(state), downloads(state)],
         sidebar_width=300,
         sidebar_resizable=False,
@@ -249,7 +250,7 @@ def relight_page() -> pmui.Page:
         await state.open_sample(sample_names()[0])
 
     pn.state.onload(first_picture)
-    free_when_left(page, state.close)
+    free_when_left(page, state.close, view.close)
     return page
 
 

@@ -8,7 +8,7 @@ from collections import Counter
 
 from tornado.web import RequestHandler
 
-COUNTED = {"RelightState", "StudyState", "Page", "ServerSession"}
+COUNTED = {"Page", "ServerSession"}
 
 
 class Census(RequestHandler):

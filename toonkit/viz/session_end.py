@@ -19,7 +19,7 @@ COLLECT_SECONDS = 2.0
 """Pause before memory is collected: by then Panel and Bokeh have let go of the session, too."""
 
 
-def free_when_left(page: pmui.Page, close: Callable[[], None]) -> None:
+def free_when_left(page: pmui.Page, *closing: Callable[[], None]) -> None:
     """
     Free what a page holds when its session ends: some half a minute after the browser has left.
 
@@ -27,12 +27,13 @@ def free_when_left(page: pmui.Page, close: Callable[[], None]) -> None:
     ----------
     page : panel_material_ui.Page
         The page of one visitor.
-    close : callable
-        Ends what is under way for it, and drops what is large.
+    *closing : callable
+        End what is under way for it, and drop what is large: something of the first page of a process stays.
     """
 
     def left(context: Any) -> None:
-        close()
+        for close in closing:
+            close()
         _forget(page)
         document = context._document
         for reference, (_, _, owner, _) in list(pn.state._views.items()):

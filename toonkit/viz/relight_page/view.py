@@ -79,6 +79,12 @@ class RelightView(pn.custom.JSComponent):
         )
         self._paint()
 
+    def close(self) -> None:
+        """Let go of the analysis and its textures: nobody looks any more."""
+        self._analysis = None
+        with param.parameterized.discard_events(self):
+            self.param.update(color=b"", paint=b"", normals=b"", color_map=b"", fallback_picture=b"")
+
     @param.depends("webgl", "new_light", "keep_detail", watch=True)
     def _paint(self) -> None:
         """Paint in Python what a browser without WebGL2 cannot."""
