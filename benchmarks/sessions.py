@@ -139,7 +139,7 @@ def main() -> None:
     if options.output:
         options.output.mkdir(parents=True, exist_ok=True)
         with (options.output / CSV_NAME).open("w", newline="") as file:
-            writer = csv.DictWriter(file, row)
+            writer = csv.DictWriter(file, row, lineterminator="\n")
             writer.writeheader()
             writer.writerow(row)
 
