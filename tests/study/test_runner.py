@@ -227,6 +227,15 @@ def test_a_study_whose_process_was_killed_goes_on(tmp_path, undisturbed):
     assert all(path.stat().st_mtime_ns == written for path, written in before.items())
 
 
+@pytest.fixture
+def heeding_ctrl_c():
+    """New processes heed Ctrl-C even if these tests were started in the background, where a shell has it ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("heeding_ctrl_c")
 def test_ctrl_c_ends_all_processes_without_a_stack_trace(tmp_path):
     with subprocess.Popen(
         [*COMMAND, str(tmp_path)], cwd=ROOT, stderr=subprocess.PIPE, text=True, start_new_session=True
