@@ -1,0 +1,66 @@
+"""The part of a picture that is worked on: the object's bounding box with a margin, so that padding changes nothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toonkit._validation import BoolArray, FloatArray
+from toonkit.illustration.oklab import Lab, oklab
+
+MARGIN = 1
+"""Pixels around the bounding box: every pixel of the object then has eight neighbors."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """
+    An object, cut out.
+
+    Attributes
+    ----------
+    place : (slice, slice)
+        Rows and columns of the bounding box in the picture.
+    mask : ndarray of bool, shape (h, w)
+        The object within the box and its margin.
+    color : ndarray, shape (h, w, 3)
+        sRGB; zero outside the mask.
+    lab : ndarray of float32, shape (h, w, 3)
+        The same in OKLab.
+    """
+
+    place: tuple[slice, slice]
+    mask: BoolArray
+    color: FloatArray
+    lab: Lab
+
+    @classmethod
+    def around(cls, color: FloatArray, mask: BoolArray) -> Frame:
+        """Cut out the object of a picture (H, W, 3); colors outside the mask (H, W) are ignored."""
+        rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+        place = (slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1))
+        inside = np.pad(mask[place], MARGIN)
+        cut = np.zeros((*inside.shape, 3))
+        within = cut[MARGIN:-MARGIN, MARGIN:-MARGIN]
+        within[mask[place]] = color[place][mask[place]]
+        return cls(place, inside, cut, oklab(cut))
+
+    def cut(self, values: FloatArray) -> FloatArray:
+        """Cut values (H, W, ...) of the picture to this frame, zero in the margin."""
+        around = [(MARGIN, MARGIN)] * 2 + [(0, 0)] * (values.ndim - 2)
+        padded: FloatArray = np.pad(values[self.place], around)
+        return padded
+
+    def embed(self, values: NDArray[Any], shape: tuple[int, ...], fill: float) -> NDArray[Any]:
+        """Put values (h, w, ...) of this frame back into a picture of a shape, filled elsewhere."""
+        whole = np.full((*shape, *values.shape[2:]), fill, dtype=values.dtype)
+        whole[self.place] = values[MARGIN:-MARGIN, MARGIN:-MARGIN]
+        return whole
+
+    @property
+    def size(self) -> float:
+        """Square root of the object's area, in pixels."""
+        return float(np.sqrt(np.count_nonzero(self.mask)))

@@ -1,0 +1,300 @@
+"""
+Ink: thin lines over the paint.
+
+A line is darker than the paint on both of its sides and narrower than the object by far. Shading makes such dark strips,
+too: the crescent of shadow along a silhouette, and the gap between two parts. What tells ink apart is its color. The
+color of an outline follows the silhouette all around, also where it faces the light, which the shadow color of a closed
+shape never does. The color of inner lines occurs nearly nowhere else; that of shading also lies on the silhouette.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from toonkit._validation import BoolArray, FloatArray
+from toonkit.illustration.filling import nearest_sources
+from toonkit.illustration.frame import Frame
+from toonkit.illustration.oklab import Lab
+
+WIDEST = 0.035
+"""Width of a line at most, in square roots of the object's area."""
+
+SMALLEST = 50.0
+"""Square root of the area, in pixels, up to which lines are at most two pixels wide; above, at least four."""
+
+DARKER = 0.07
+"""OKLab lightness by which a line is darker than the paint beside it."""
+
+SAME_INK = 0.06
+"""OKLab distance within which colors are one ink."""
+
+MIXING_REACH = 2
+"""Pixels beside a line that may be mixed with it."""
+
+OFF_MIXTURE = 0.12
+"""How far from the mixtures of ink and paint a mixed pixel may be, sRGB."""
+
+LEAST_COVERAGE = 0.12
+"""Coverage below which a pixel counts as paint."""
+
+BLACK = 0.2
+"""OKLab lightness below which a color is seldom a shadow."""
+
+SPECK = 0.0008
+"""Share of the object: less ink of one color is none."""
+
+PAINT = 0.05
+"""Coverage below which a pixel shows paint and nothing else."""
+
+CELL, CELLS, LOWEST = 0.042, 40, -14
+"""Histogram of colors: width of a cell in OKLab, cells along each axis, and number of the first."""
+
+INKS = 6
+"""Colors that are looked at, at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ink:
+    """
+    Where ink lies: a pixel shows coverage * color + (1 - coverage) * the paint beneath, in sRGB.
+
+    Attributes
+    ----------
+    coverage : ndarray, shape (H, W)
+        In [0, 1]; 0 outside the mask.
+    color : ndarray, shape (H, W, 3)
+        sRGB of the ink; NaN where coverage is 0.
+    only_lines : bool
+        Whether the drawing has nothing but lines: no paint, or blank paper beneath.
+    """
+
+    coverage: FloatArray
+    color: FloatArray
+    only_lines: bool
+
+
+@dataclass(frozen=True, eq=False)
+class _Strips:
+    """Dark strips: pixels of them, their darkest ones, and the width of the window that found them."""
+
+    pixels: BoolArray
+    cores: BoolArray
+    width: int
+
+
+def find_ink(color: FloatArray, mask: BoolArray) -> Ink:
+    """
+    Find the ink of a drawing.
+
+    Parameters
+    ----------
+    color : ndarray, shape (H, W, 3)
+        sRGB in [0, 1] on the mask; ignored elsewhere.
+    mask : ndarray of bool, shape (H, W)
+        The object.
+
+    Returns
+    -------
+    Ink
+        Coverage zero everywhere if there is none.
+
+    Examples
+    --------
+    >>> y, x = np.mgrid[:64, :64] - 31.5
+    >>> mask = np.hypot(x, y) < 28
+    >>> color = np.full((64, 64, 3), 0.8)
+    >>> color[np.hypot(x, y) > 26] = 0.1
+    >>> ink = find_ink(color, mask)
+    >>> float(ink.coverage[32, 5]), float(ink.coverage[32, 32])
+    (1.0, 0.0)
+    """
+    frame = Frame.around(color, mask)
+    coverage, inks = ink_of(frame)
+    drawn = np.where(coverage[..., None] > 0, inks, np.nan)
+    return Ink(
+        np.asarray(frame.embed(coverage, mask.shape, 0.0)),
+        np.asarray(frame.embed(drawn, mask.shape, np.nan)),
+        _has_only_lines(frame, coverage),
+    )
+
+
+def ink_of(frame: Frame) -> tuple[FloatArray, FloatArray]:
+    """Find coverage (h, w) and color (h, w, 3) of the ink in a frame."""
+    strips = _dark_strips(frame)
+    nothing = np.zeros(frame.mask.shape), frame.color
+    if np.count_nonzero(strips.cores) < SPECK * frame.size**2:
+        return nothing
+    lines = _lines(frame, strips)
+    if not lines.any():
+        return nothing
+    return _coverage(frame, lines, strips)
+
+
+def _dark_strips(frame: Frame) -> _Strips:
+    """Close dark strips narrower than a square window; what that makes brighter is a strip. Outside counts as bright."""
+    width = max(int(WIDEST * frame.size) | 1, 5 if frame.size > SMALLEST else 3)
+    lightness = np.where(frame.mask, frame.lab[..., 0], np.float32(2.0))
+    padded = np.pad(lightness, width, constant_values=2.0)
+    closed = ndimage.grey_closing(padded, (width, width))[width:-width, width:-width]
+    pixels = frame.mask & (closed - lightness > DARKER)
+    cores = pixels & (lightness - ndimage.minimum_filter(lightness, 3) < DARKER / 2)
+    return _Strips(pixels, cores, width)
+
+
+def _lines(frame: Frame, strips: _Strips) -> BoolArray:
+    """Pixels of strips in the colors that are ink."""
+    mask, lab = frame.mask, frame.lab
+    around = _Silhouette.of(mask)
+    lines, pieces = np.zeros_like(mask), np.zeros_like(mask)
+    for ink in _frequent_colors(lab[strips.cores]):
+        near = mask & (_distance(lab, ink) < SAME_INK)
+        thin = near & strips.cores
+        count = np.count_nonzero(thin)
+        if count < SPECK * frame.size**2:
+            continue
+        share = count / np.count_nonzero(near)
+        followed = around.share(_grown(thin, 1))
+        encloses = _both_sides(followed)
+        least = 0.1 if share > 0.85 or ink[0] < BLACK else 0.3
+        if encloses > least:
+            # Where lines meet, ink is wider than the window.
+            lines |= near & _grown(thin, strips.width // 2) if share > 0.6 else thin
+        elif share > 0.75 and followed.max() < 0.15:
+            lines |= _elongated(thin)
+        elif share > 0.6:
+            pieces |= thin
+    if pieces.any() and _both_sides(around.share(_grown(pieces, 1))) > 0.3:
+        lines |= pieces
+    return lines | _outlines(frame, around, strips.width)
+
+
+def _outlines(frame: Frame, around: _Silhouette, width: int) -> BoolArray:
+    """Find lines of any lightness, and a sticker's border: one color along the silhouette on all sides, nowhere wide."""
+    mask, lab = frame.mask, frame.lab
+    inner = ndimage.minimum_filter(mask, 3)
+    band = inner & ~ndimage.minimum_filter(inner, 3)
+    lines = np.zeros_like(mask)
+    if not band.any():
+        return lines
+    for ink in _frequent_colors(lab[band])[:2]:
+        near = mask & (_distance(lab, ink) < SAME_INK)
+        if _both_sides(around.share(_grown(near, 1))) < 0.5:
+            continue
+        wide = near & ndimage.maximum_filter(ndimage.minimum_filter(near, width), width)
+        if np.count_nonzero(band & near & ~wide) > 0.8 * np.count_nonzero(band & near):
+            lines |= near & ~_grown(wide, 1)
+    return lines
+
+
+def _both_sides(followed: FloatArray) -> float:
+    """How much of the silhouette is followed on opposite sides at once: the shadow of one light never is."""
+    return float(np.minimum(followed[:4], followed[4:]).mean())
+
+
+@dataclass(frozen=True, eq=False)
+class _Silhouette:
+    """Pixels of the silhouette (n,), by the eighth of the circle that they face (n,)."""
+
+    pixels: NDArray[np.intp]
+    facing: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, mask: BoolArray) -> _Silhouette:
+        """Find the silhouette of a mask."""
+        rim = mask & ~ndimage.minimum_filter(mask, 3)
+        down, right = np.gradient(ndimage.gaussian_filter(mask.astype(np.float32), 2.5))
+        pixels = np.flatnonzero(rim)
+        # Eighths centered on the axes and diagonals stay eighths when the picture is turned or mirrored.
+        angle = np.arctan2(down.ravel()[pixels], right.ravel()[pixels])
+        return cls(pixels, np.rint(angle / (np.pi / 4)).astype(np.intp) % 8)
+
+    def share(self, marked: BoolArray) -> FloatArray:
+        """Share of each eighth's pixels that are marked, shape (8,); eighths that hardly occur count as the others."""
+        total = np.bincount(self.facing, minlength=8)
+        hit = np.bincount(self.facing, weights=marked.ravel()[self.pixels], minlength=8)
+        rare = total < 0.02 * total.sum()
+        return np.where(rare, hit.sum() / max(total.sum(), 1), hit / np.maximum(total, 1))
+
+
+def _frequent_colors(colors: Lab) -> list[NDArray[np.float32]]:
+    """Peaks of colors (n, 3), most frequent first."""
+    found = []
+    cells = np.rint(colors / CELL).astype(np.intp) - LOWEST
+    keys = (cells[:, 0] * CELLS + cells[:, 1]) * CELLS + cells[:, 2]
+    for _ in range(INKS):
+        if len(colors) == 0:
+            break
+        fullest = int(np.bincount(keys).argmax())
+        cell = np.array([fullest // CELLS**2, fullest // CELLS % CELLS, fullest % CELLS])
+        start = (cell + LOWEST) * CELL
+        ink = np.median(colors[_distance(colors, start) < SAME_INK], axis=0)
+        found.append(ink)
+        left = _distance(colors, ink) >= SAME_INK
+        if left.all():
+            break
+        colors, keys = colors[left], keys[left]
+    return found
+
+
+def _elongated(thin: BoolArray) -> BoolArray:
+    """Keep pieces that are far longer than wide: spots, eyes and buttons are paint."""
+    labels, count = ndimage.label(thin, np.ones((3, 3)))
+    if count == 0:
+        return thin
+    depth = ndimage.distance_transform_edt(thin)
+    area = np.bincount(labels.ravel(), minlength=count + 1)
+    deepest = ndimage.maximum(depth, labels, np.arange(count + 1))
+    keep = area > 5.0 * (2.0 * np.asarray(deepest) - 1.0) ** 2
+    keep[0] = False
+    return np.asarray(keep[labels])
+
+
+def _coverage(frame: Frame, lines: BoolArray, strips: _Strips) -> tuple[FloatArray, FloatArray]:
+    """Unmix the pixels in and beside lines into ink and the paint next to them."""
+    reach = frame.mask & _grown(lines, MIXING_REACH)
+    reach |= strips.cores & _grown(lines, 3 * strips.width)
+    ink_source = nearest_sources(lines, frame.lab, reach, within=3 * strips.width)
+    clean = frame.mask & ~reach & ~strips.pixels
+    paint_source = nearest_sources(clean, frame.lab, reach | strips.pixels, within=4 * strips.width)
+    both = np.flatnonzero((reach & (ink_source >= 0) & (paint_source >= 0)).ravel())
+    colors = frame.color.reshape(-1, 3)
+    ink, paint = colors[ink_source.ravel()[both]], colors[paint_source.ravel()[both]]
+    away, own = ink - paint, colors[both] - paint
+    share = np.clip((own * away).sum(axis=1) / np.maximum((away**2).sum(axis=1), 1e-6), 0.0, 1.0)
+    off = np.linalg.norm(own - share[:, None] * away, axis=1)
+    share[(off > OFF_MIXTURE) | (share < LEAST_COVERAGE)] = 0.0
+    coverage, drawn = np.zeros(frame.mask.shape), frame.color.copy()
+    coverage.ravel()[both] = share
+    drawn.reshape(-1, 3)[both] = ink
+    coverage[lines] = np.where(paint_source[lines] >= 0, np.maximum(coverage[lines], 0.5), 1.0)
+    return coverage, drawn
+
+
+def _grown(marked: BoolArray, steps: int) -> BoolArray:
+    """Add what lies within some steps, diagonal ones among them."""
+    grown: BoolArray = ndimage.maximum_filter(marked, 2 * steps + 1)
+    return grown
+
+
+def _has_only_lines(frame: Frame, coverage: FloatArray) -> bool:
+    """Tell whether the paint is nowhere wider than lines, or blank."""
+    if not coverage.any():
+        return False
+    paint = frame.mask & (coverage < PAINT)
+    width = 2 * max(1, int(WIDEST * frame.size)) + 1
+    if np.count_nonzero(ndimage.minimum_filter(paint, width)) == 0:
+        return True
+    colors = frame.lab[paint]
+    middle = np.median(colors, axis=0)
+    blank = middle[0] > 0.93 and np.hypot(middle[1], middle[2]) < 0.02
+    return bool(blank and np.mean(_distance(colors, middle) < SAME_INK) > 0.95)
+
+
+def _distance(lab: Lab, to: NDArray[np.floating]) -> NDArray[np.float32]:
+    away = lab - np.asarray(to, np.float32)
+    distance: NDArray[np.float32] = np.sqrt(np.einsum("...c,...c", away, away))
+    return distance

@@ -1,0 +1,283 @@
+"""
+Ramps: which tones are one material in more and in less light.
+
+Two kinds of evidence count. Complete linkage: groups of tones become one only if every two of their tones could be shades
+of one paint. The color of a shade lies near the ray from black through the brighter tone; the farther it is from that, the
+darker it must be. Mixtures of two paints fit neither, so no chain of them joins what they lie between. And the places
+where tones touch: a step of shading is small, its terminator is long for the tones it parts, and its bright side is the one
+toward the light, on which the whole drawing agrees.
+
+A drawing in one material is recognized as a whole: see `is_one_ramp`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toonkit._validation import BoolArray, FloatArray
+from toonkit.illustration.tones import Matrix, Tones
+
+SPREAD, SPREAD_PER_DROP = 0.028, 0.17
+"""OKLab distance of a shade's color from its ray that costs 1: at equal lightness, and in addition per lightness of drop."""
+
+FADE, BOOST = 0.3, 1.35
+"""Chroma of a shade relative to that of the brighter tone, at least and at most."""
+
+COLORED, TURN = 0.04, 0.5
+"""Chroma from which a color has a hue, and the cosine of the largest turn between the hues of shades."""
+
+SMOOTH = 1.5
+"""Cost up to which groups may be one material whose contact is mostly smooth: a seam would show there."""
+
+DROP = 0.3
+"""Lightness of a shade relative to the brighter tone, at least."""
+
+SMALL = 0.0006
+"""Share of the paint up to which a tone says too little to keep groups apart."""
+
+EVIDENCE = {
+    "cost": -4.6,
+    "cost squared": 0.5,
+    "drop": -6.0,
+    "drop squared": -8.0,
+    "lean": 0.5,
+    "smooth": 0.9,
+    "length": 1.1,
+    "constant": 3.0,
+}
+"""
+Log-odds that two tones that touch are one material: logistic regressions on 3,433 pairs in generated drawings of two
+kinds, one with slight steps of shading and one with strong ones, rounded to values between the two.
+"""
+
+LARGE = 0.002
+"""Share of the paint from which a tone counts where a drawing is tested for being one ramp."""
+
+Groups = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Facing:
+    """
+    What is known of the normals beneath tones.
+
+    Attributes
+    ----------
+    sums : ndarray, shape (n, 3)
+        Sum of the initial normals over each tone's pixels.
+    moments : ndarray, shape (3, 3)
+        Sum of their outer products over all pixels.
+    light : ndarray, shape (3,), or None
+        Unit vector toward the light, if known.
+    inked : bool
+        Whether lines part some of the paint.
+    """
+
+    sums: FloatArray
+    moments: FloatArray
+    light: FloatArray | None
+    inked: bool
+
+
+def join_tones(tones: Tones, facing: Facing | None) -> Groups:
+    """
+    Group tones into materials.
+
+    Parameters
+    ----------
+    tones : Tones
+        The tones of the drawing.
+    facing : Facing or None
+        The normals beneath them; without, the hue of a drawing in one material must not turn much.
+
+    Returns
+    -------
+    ndarray of int, shape (n,)
+        Material of each tone, in no particular order.
+    """
+    if facing is not None and is_one_ramp(tones, facing):
+        return np.zeros(len(tones.area), np.intp)
+    large = tones.area > SMALL * tones.area.sum()
+    cost = shade_cost(tones.lab)
+    evidence = touching_evidence(tones, cost, None if facing is None else facing.light)
+    limited = np.where(_out_of_range(tones.lab), np.maximum(cost, 2.0), cost)
+    limited = np.where(large[:, None] & large, limited, np.minimum(limited, 0.9))
+    return _agglomerate(limited, evidence, tones)
+
+
+def shade_cost(lab: FloatArray) -> Matrix:
+    """
+    How far every two tones are from being shades of one paint: up to 1 they could be.
+
+    Parameters
+    ----------
+    lab : ndarray, shape (n, 3)
+        OKLab.
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+        Symmetric, zero on the diagonal.
+    """
+    darker, brighter, drop = _ordered(lab)
+    dot, square = (brighter * darker).sum(axis=2), (brighter**2).sum(axis=2)
+    scale = np.clip(dot / np.maximum(square, 1e-6), FADE, BOOST)
+    off = np.linalg.norm(darker - scale[..., None] * brighter, axis=2)
+    cost: Matrix = off / (SPREAD + SPREAD_PER_DROP * drop)
+    np.fill_diagonal(cost, 0.0)
+    return cost
+
+
+def touching_evidence(tones: Tones, cost: Matrix, light: FloatArray | None) -> Matrix:
+    """Log-odds (n, n) that tones that touch are one material; meaningless where they do not."""
+    contact = np.maximum(tones.contact, 1e-9)
+    rise = tones.lab[None, :, 0] - tones.lab[:, None, 0]
+    drop = np.abs(rise)
+    toward = _azimuth(tones, cost) if light is None else light[:2] / max(float(np.hypot(*light[:2])), 1e-9)
+    lean = np.sign(rise) * (tones.way @ toward) / contact
+    length = np.log(contact / np.sqrt(np.minimum(tones.area[:, None], tones.area)))
+    cost = np.minimum(cost, 3.0)
+    w = EVIDENCE
+    odds: Matrix = (
+        w["cost"] * cost
+        + w["cost squared"] * cost**2
+        + w["drop"] * drop
+        + w["drop squared"] * drop**2
+        + w["lean"] * lean
+        + w["smooth"] * tones.smooth / contact
+        + w["length"] * np.clip(length, -3.0, 3.0)
+        + w["constant"]
+    )
+    return np.clip(odds, -8.0, 8.0)
+
+
+def is_one_ramp(tones: Tones, facing: Facing) -> bool:
+    """
+    Tell whether a whole drawing is one material, however its hue turns.
+
+    Its tones then form a curve: no two of one lightness differ in color. Each touches the next one. The lightness follows
+    the initial normals in some light from the front, and no brighter tone faces farther away from it than a darker one.
+    """
+    area, lightness = tones.area.astype(np.float64), tones.lab[:, 0]
+    total = area.sum()
+    smaller = np.minimum(area[:, None], area)
+    rise = lightness[None, :] - lightness[:, None]
+    apart = np.linalg.norm(tones.lab[:, None] - tones.lab, axis=2)
+    if (smaller * ((np.abs(rise) < 0.03) & (apart > 0.05))).sum() > 0.004 * total:
+        return False
+    explained, light = _explained_by_normals(lightness, area, facing)
+    if explained < 0.1 or light[2] < -0.32:
+        return False
+    illumination = facing.sums @ (light if facing.light is None else facing.light) / area
+    brighter = smaller * (rise > 0.03)
+    wrong = np.clip(illumination[:, None] - illumination + 0.02, 0.0, 0.2) / 0.2
+    reversed_share = (brighter * wrong).sum() / max(brighter.sum(), 1e-9)
+    if reversed_share < 0.04 and _consecutive_touch(tones, 1.5 if facing.inked else 0.3):
+        return True
+    if facing.inked:
+        return False
+    # Other tones hide the contact of consecutive ones where parts stand before each other, and where steps are almost hard.
+    if explained > 0.45 and reversed_share < 0.02:
+        return True
+    # On boxes every face has a tone of its own, next to any other, and the inflated normals say little.
+    faceted = explained > 0.22 and light[2] > -0.1 and reversed_share < 0.36
+    return faceted and _skipped_share(tones) > 0.38
+
+
+def _skipped_share(tones: Tones) -> float:
+    """Share of the contact that is between tones with another large one between them in lightness, and not smooth."""
+    lightness = tones.lab[:, 0]
+    large = np.sort(lightness[tones.area > LARGE * tones.area.sum()])
+    first, last = np.searchsorted(large, lightness + 0.02), np.searchsorted(large, lightness - 0.02)
+    skips = first[:, None] < last[None, :]
+    hard = (tones.contact - tones.smooth) * (skips | skips.T)
+    return float(hard.sum() / max(tones.contact.sum(), 1.0))
+
+
+def _ordered(lab: FloatArray) -> tuple[FloatArray, FloatArray, Matrix]:
+    """Chroma vectors (n, n, 2) of the darker and the brighter tone of each pair, and how much darker it is (n, n)."""
+    chroma = np.broadcast_to(lab[None, :, 1:], (len(lab), len(lab), 2))
+    first_is_darker = (lab[:, None, 0] <= lab[None, :, 0])[..., None]
+    other = chroma.transpose(1, 0, 2)
+    darker, brighter = np.where(first_is_darker, other, chroma), np.where(first_is_darker, chroma, other)
+    return darker, brighter, np.abs(lab[:, None, 0] - lab[None, :, 0])
+
+
+def _out_of_range(lab: FloatArray) -> NDArray[np.bool_]:
+    """Tell of which pairs the hue turns too far, or the lightness drops too deep."""
+    darker, brighter, drop = _ordered(lab)
+    chroma = np.linalg.norm(darker, axis=2), np.linalg.norm(brighter, axis=2)
+    colored = (chroma[0] > COLORED) & (chroma[1] > COLORED)
+    turned = (darker * brighter).sum(axis=2) < TURN * chroma[0] * chroma[1]
+    deep = drop > (1.0 - DROP) * np.maximum(lab[:, None, 0], lab[None, :, 0])
+    return np.asarray((colored & turned) | deep)
+
+
+def _azimuth(tones: Tones, cost: Matrix) -> FloatArray:
+    """Estimate the unit vector, right and up, toward the light: from dark to bright over all pairs that could be shades."""
+    rise = tones.lab[None, :, 0] - tones.lab[:, None, 0]
+    way = (tones.way * ((cost < 0.8) & (rise > 0.03))[..., None]).sum(axis=(0, 1))
+    return np.asarray(way / max(float(np.hypot(*way)), 1e-9))
+
+
+def _consecutive_touch(tones: Tones, least: float) -> bool:
+    """Tell whether, at every lightness, the tones just below and just above touch along a line of some relative length."""
+    lightness, count = tones.lab[:, 0], len(tones.area)
+    large = np.flatnonzero(tones.area > 2.5 * LARGE * tones.area.sum())
+    for lower, upper in pairwise(large):
+        below = np.arange(count) <= lower
+        near_below = below & (lightness > lightness[lower] - 0.03)
+        near_above = ~below & (lightness < lightness[upper] + 0.03)
+        touching = tones.contact[np.ix_(near_below, near_above)].sum()
+        smaller = min(tones.area[below].sum(), tones.area[~below].sum())
+        if touching < least * np.sqrt(smaller):
+            return False
+    return True
+
+
+def _explained_by_normals(
+    lightness: FloatArray, area: FloatArray, facing: Facing
+) -> tuple[float, FloatArray]:
+    """Share of the lightness's variance that is linear in the normals, and the unit vector along which it grows."""
+    total = area.sum()
+    system = np.zeros((4, 4))
+    system[:3, :3] = facing.moments
+    system[:3, 3] = system[3, :3] = facing.sums.sum(axis=0)
+    system[3, 3] = total
+    right = np.append(facing.sums.T @ lightness, area @ lightness)
+    slope = np.linalg.lstsq(system, right, rcond=None)[0]
+    mean = right[3] / total
+    variance = float(area @ (lightness - mean) ** 2)
+    explained = float(slope @ right - total * mean**2) / max(variance, 1e-9)
+    direction: FloatArray = slope[:3].astype(np.float64) / max(float(np.linalg.norm(slope[:3])), 1e-9)
+    return explained, direction
+
+
+def _agglomerate(cost: Matrix, evidence: Matrix, tones: Tones) -> Groups:
+    """Join the two groups with the most evidence for it, until none is left that touch and could be one."""
+    count = len(cost)
+    group, alive = np.arange(count), np.ones(count, np.bool_)
+    cost, weight, weighted, smooth = (
+        cost.copy(),
+        tones.contact.copy(),
+        tones.contact * evidence,
+        tones.smooth.copy(),
+    )
+    alone = np.eye(count, dtype=np.bool_)
+    while True:
+        most = np.where(smooth > 0.8 * weight, SMOOTH, 1.0)
+        possible: BoolArray = (weight > 0) & (cost <= most) & alive[:, None] & alive & ~alone
+        mean = np.where(possible, weighted / np.maximum(weight, 1e-9), -np.inf)
+        i, j = divmod(int(mean.argmax()), count)
+        if mean[i, j] <= 0.0:
+            return group
+        cost[i] = cost[:, i] = np.maximum(cost[i], cost[j])
+        for sums in (weight, weighted, smooth):
+            sums[i] += sums[j]
+            sums[:, i] += sums[:, j]
+        alive[j] = False
+        group[group == j] = i

@@ -1,0 +1,229 @@
+"""
+Zones: connected pieces of paint that are flat or change smoothly.
+
+Whether a place is an edge is judged by its contrast against the smooth variation beside it, so that soft gradients stay
+whole, however steep, and slight steps between flat tones do not get lost. Pixels of an edge are mixtures: they belong to
+the zone beside them whose color is nearest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from scipy import ndimage
+
+from toonkit._validation import BoolArray
+from toonkit.illustration.filling import Labels, nearest_sources
+from toonkit.illustration.oklab import Lab
+
+SAME = 0.012
+"""OKLab distance within which neighbors are painted alike: three steps of an 8-bit channel."""
+
+CONTRAST = 2.0
+"""An edge changes by that many times what the paint around it changes by."""
+
+SURROUNDINGS = 9
+"""Width of the window that says how much paint changes, in pixels."""
+
+ALIKE_NEIGHBORS = 3
+"""Of eight, that are painted alike within flat paint: a mixed pixel on an edge resembles two along it at most."""
+
+FEWEST = 4
+"""Pixels of a zone at least."""
+
+GRAIN = 0.004
+"""OKLab lightness by which half of the pixels differ from their neighbors' mean in paint that is grained."""
+
+ALIKE_GRAIN, PASSES = 0.08, 3
+"""OKLab distance of colors that grain makes of one paint, and how often it is averaged."""
+
+MIXED = 0.035
+"""OKLab distance from the mixtures of two neighbors within which a thin zone is mixed of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Zones:
+    """
+    Pieces of paint.
+
+    Attributes
+    ----------
+    labels : ndarray of int32, shape (h, w)
+        Zone of each pixel of paint, -1 elsewhere; not all numbers occur.
+    lab : ndarray of float32, shape (h, w, 3)
+        Colors of the paint without mixtures: of a mixed pixel that of the zone it belongs to, nearby.
+    """
+
+    labels: Labels
+    lab: Lab
+
+
+def find_zones(lab: Lab, paint: BoolArray) -> Zones:
+    """
+    Find the zones of a picture.
+
+    Parameters
+    ----------
+    lab : ndarray of float32, shape (h, w, 3)
+        Colors in OKLab.
+    paint : ndarray of bool, shape (h, w)
+        Where paint shows; False on the border of the array.
+
+    Returns
+    -------
+    Zones
+        Pieces that no edge crosses.
+    """
+    lab = _without_grain(lab, paint)
+    change, flat = np.zeros(paint.shape, np.float32), np.zeros(paint.shape, np.bool_)
+    _measure(lab, paint, np.float32(SAME**2), flat, change)
+    weight = ndimage.uniform_filter(paint.astype(np.float32), SURROUNDINGS)
+    around = ndimage.uniform_filter(change, SURROUNDINGS) / np.maximum(weight, 1e-6)
+    smooth = paint & (flat | (change < SAME + CONTRAST * around))
+    labels = np.full(paint.shape, -1, np.int32)
+    _connect(lab, smooth, flat, np.float32(SAME**2), labels)
+    return _without_specks(labels, lab, paint)
+
+
+def _without_grain(lab: Lab, paint: BoolArray) -> Lab:
+    """Average each pixel with those neighbors that are much like it, if most paint is grained or dithered."""
+    lightness = lab[..., 0]
+    cross = ndimage.convolve(lightness, np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]], np.float32) / 4)
+    inner = ndimage.minimum_filter(paint, 3)
+    if not inner.any() or np.median(np.abs(cross - lightness)[inner]) < GRAIN:
+        return lab
+    smooth = lab
+    for _ in range(PASSES):
+        total, count = smooth.copy(), np.ones(paint.shape, np.float32)
+        for step in ((0, 1), (1, 0), (1, 1), (1, -1)):
+            for sign in (1, -1):
+                near = np.roll(smooth, (sign * step[0], sign * step[1]), (0, 1))
+                away = near - lab
+                counts = np.roll(paint, (sign * step[0], sign * step[1]), (0, 1))
+                counts = counts & (np.einsum("hwc,hwc->hw", away, away) < ALIKE_GRAIN**2)
+                total += np.where(counts[..., None], near, np.float32(0.0))
+                count += counts
+        smooth = total / count[..., None]
+    return np.where(paint[..., None], smooth, lab)
+
+
+def _without_specks(labels: Labels, lab: Lab, paint: BoolArray) -> Zones:
+    """Dissolve pieces that are too small or nothing but the mixture between two others, and fill all of the paint."""
+    sizes = np.bincount(labels[labels >= 0])
+    own = labels >= 0
+    own[own] = sizes[labels[own]] >= FEWEST
+    thin = paint & ~own
+    pieces = np.full(paint.shape, -1, np.int32)
+    _connect(lab, thin, thin, np.float32(SAME**2), pieces)
+    kept = _unmixed_pieces(pieces, lab, paint)
+    labels = np.where(own, labels, np.where(kept, pieces + len(sizes), -1))
+    own |= kept
+    if not own.any():  # a drawing of a few pixels, all different
+        own, labels = paint, np.where(paint, 0, -1)
+    source = nearest_sources(own, lab, paint)
+    filled = source >= 0
+    zones, shown = np.full(paint.shape, -1, np.int32), lab.copy()
+    zones[filled] = labels.ravel()[source[filled]]
+    shown[filled] = lab.reshape(-1, 3)[source[filled]]
+    return Zones(zones, shown)
+
+
+def _unmixed_pieces(pieces: Labels, lab: Lab, paint: BoolArray) -> BoolArray:
+    """Find thin pieces of a color of their own: most of their pixels lie between no two opposite neighbors in color."""
+    place = np.flatnonzero(pieces.ravel() >= 0)
+    which = pieces.ravel()[place]
+    sizes = np.bincount(which)
+    counted = sizes[which] >= FEWEST
+    place, which = place[counted], which[counted]
+    mixed = np.zeros(len(place), np.bool_)
+    colors, shown, width = lab.reshape(-1, 3), paint.ravel(), paint.shape[1]
+    own = colors[place]
+    for step in (1, width, width + 1, width - 1):
+        for reach in (1, 2):
+            first, second = place - reach * step, place + reach * step
+            inside = (first >= 0) & (second < len(colors))
+            first, second = np.where(inside, first, place), np.where(inside, second, place)
+            between = colors[second] - colors[first]
+            length = np.einsum("pc,pc->p", between, between)
+            along = np.einsum("pc,pc->p", own - colors[first], between) / np.maximum(length, 1e-6)
+            off = own - colors[first] - along[:, None] * between
+            near = np.einsum("pc,pc->p", off, off) < MIXED**2
+            mixed |= (
+                shown[first] & shown[second] & near & (along > 0.05) & (along < 0.95) & (length > 9 * SAME**2)
+            )
+    share = np.bincount(which, mixed, minlength=len(sizes)) / np.maximum(sizes, 1)
+    keep = (sizes >= FEWEST) & (share < 0.4)
+    kept = np.zeros(pieces.shape, np.bool_)
+    kept.ravel()[place[keep[which]]] = True
+    return kept
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _measure(lab, paint, same, flat, change):  # type: ignore[no-untyped-def]
+    """Mark pixels with enough neighbors alike, and measure how much each differs from its four neighbors at most."""
+    for i in range(1, paint.shape[0] - 1):
+        for j in range(1, paint.shape[1] - 1):
+            if not paint[i, j]:
+                continue
+            alike, present, most = 0, 0, np.float32(0.0)
+            for di in range(-1, 2):
+                for dj in range(-1, 2):
+                    if (di != 0 or dj != 0) and paint[i + di, j + dj]:
+                        d0 = lab[i + di, j + dj, 0] - lab[i, j, 0]
+                        d1 = lab[i + di, j + dj, 1] - lab[i, j, 1]
+                        d2 = lab[i + di, j + dj, 2] - lab[i, j, 2]
+                        d = d0 * d0 + d1 * d1 + d2 * d2
+                        present += 1
+                        if d < same:
+                            alike += 1
+                        if (di == 0 or dj == 0) and d > most:
+                            most = d
+            flat[i, j] = alike >= 3 or (present > 0 and alike == present)
+            change[i, j] = np.sqrt(most)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _connect(lab, smooth, flat, same, labels):  # type: ignore[no-untyped-def]
+    """Label connected pieces: flat pixels that are alike, and pixels of no edge that are not both flat."""
+    height, width = smooth.shape
+    parent = np.empty(height * width, np.int32)
+    for i in range(1, height - 1):
+        for j in range(1, width - 1):
+            if not smooth[i, j]:
+                continue
+            p = i * width + j
+            parent[p] = p
+            for k in range(2):
+                ii, jj = (i - 1, j) if k == 0 else (i, j - 1)
+                if not smooth[ii, jj]:
+                    continue
+                d0 = lab[ii, jj, 0] - lab[i, j, 0]
+                d1 = lab[ii, jj, 1] - lab[i, j, 1]
+                d2 = lab[ii, jj, 2] - lab[i, j, 2]
+                if d0 * d0 + d1 * d1 + d2 * d2 < same or not (flat[i, j] or flat[ii, jj]):
+                    a, b = p, ii * width + jj
+                    while parent[a] != a:
+                        parent[a] = parent[parent[a]]
+                        a = parent[a]
+                    while parent[b] != b:
+                        parent[b] = parent[parent[b]]
+                        b = parent[b]
+                    if a < b:
+                        parent[b] = a
+                    else:
+                        parent[a] = b
+    count = 0
+    for i in range(1, height - 1):
+        for j in range(1, width - 1):
+            if smooth[i, j]:
+                p = i * width + j
+                a = p
+                while parent[a] != a:
+                    a = parent[a]
+                if a == p:
+                    labels[i, j] = count
+                    count += 1
+                else:
+                    labels[i, j] = labels[a // width, a % width]
