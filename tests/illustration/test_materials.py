@@ -156,7 +156,7 @@ def test_a_soft_gradient_is_one_material_beside_another() -> None:
 
 def test_hue_shifted_shadows_join_their_paint() -> None:
     canvas = Canvas()
-    canvas.ball(Ball(48, 34, 30, ((0.80, 0.59, 0.58), (0.98, 0.83, 0.72))), 0)
+    canvas.ball(Ball(48, 34, 30, ((0.80, 0.58, 0.54), (0.98, 0.83, 0.72))), 0)
     canvas.ball(Ball(52, 70, 22, ((0.17, 0.35, 0.42), (0.32, 0.58, 0.55))), 1)
     drawn = canvas.drawn()
     materials = found(drawn)

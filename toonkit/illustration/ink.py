@@ -41,6 +41,9 @@ OFF_MIXTURE = 0.12
 LEAST_COVERAGE = 0.12
 """Coverage below which a pixel counts as paint."""
 
+PIECE = 0.75
+"""Share of a color that lies in strips from which it may be the ink of a part of the outline."""
+
 BLACK = 0.2
 """OKLab lightness below which a color is seldom a shadow."""
 
@@ -165,9 +168,10 @@ def _lines(frame: Frame, strips: _Strips) -> BoolArray:
             lines |= near & _grown(thin, strips.width // 2) if share > 0.6 else thin
         elif share > 0.75 and followed.max() < 0.15:
             lines |= _elongated(thin)
-        elif share > 0.6:
+        elif share > PIECE:
             pieces |= thin
-    if pieces.any() and _both_sides(around.share(_grown(pieces, 1))) > 0.3:
+    # Lines may be a darker shade of the paint they surround: the outline then has a color for each part.
+    if pieces.any() and _both_sides(around.share(_grown(pieces | lines, 1))) > 0.4:
         lines |= pieces
     return lines | _outlines(frame, around, strips.width)
 

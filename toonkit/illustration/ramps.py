@@ -36,6 +36,9 @@ SMOOTH = 1.5
 DROP = 0.3
 """Lightness of a shade relative to the brighter tone, at least."""
 
+SPOT = (0.6, 0.85)
+"""Shares of a darker tone's perimeter along a single brighter one from which it may be, and is, a spot."""
+
 SMALL = 0.0006
 """Share of the paint up to which a tone says too little to keep groups apart."""
 
@@ -47,11 +50,13 @@ EVIDENCE = {
     "lean": 0.5,
     "smooth": 0.9,
     "length": 1.1,
-    "constant": 3.0,
+    "constant": 2.75,
+    "spot": -9.0,
 }
 """
 Log-odds that two tones that touch are one material: logistic regressions on 3,433 pairs in generated drawings of two
-kinds, one with slight steps of shading and one with strong ones, rounded to values between the two.
+kinds, one with slight steps of shading and one with strong ones, rounded to values between the two. The weight of spots,
+which are rare there, is set by hand.
 """
 
 LARGE = 0.002
@@ -141,6 +146,10 @@ def touching_evidence(tones: Tones, cost: Matrix, light: FloatArray | None) -> M
     lean = np.sign(rise) * (tones.way @ toward) / contact
     length = np.log(contact / np.sqrt(np.minimum(tones.area[:, None], tones.area)))
     cost = np.minimum(cost, 3.0)
+    # Shadows lie along silhouettes and lines. A darker tone that a single other one encloses is a spot.
+    enclosed = (tones.contact - tones.smooth) / np.maximum(tones.perimeter, 1.0)[:, None]
+    enclosed = np.where(rise > 0, enclosed, enclosed.T)
+    spot = np.clip((enclosed - SPOT[0]) / (SPOT[1] - SPOT[0]), 0.0, 1.0)
     w = EVIDENCE
     odds: Matrix = (
         w["cost"] * cost
@@ -150,6 +159,7 @@ def touching_evidence(tones: Tones, cost: Matrix, light: FloatArray | None) -> M
         + w["lean"] * lean
         + w["smooth"] * tones.smooth / contact
         + w["length"] * np.clip(length, -3.0, 3.0)
+        + w["spot"] * spot
         + w["constant"]
     )
     return np.clip(odds, -8.0, 8.0)

@@ -48,6 +48,8 @@ class Tones:
     way : ndarray, shape (n, n, 2)
         Sum over these pairs of the unit steps, right and up, from the first tone to the second; antisymmetric. It vanishes
         for a tone that another one encloses, and is long where a straight terminator parts them.
+    perimeter : ndarray, shape (n,)
+        How many of its pairs of neighboring pixels show the tone and anything else, be it ink or the background.
     """
 
     labels: Labels
@@ -56,6 +58,7 @@ class Tones:
     contact: Matrix
     smooth: Matrix
     way: FloatArray
+    perimeter: FloatArray
 
 
 def find_tones(zones: Zones) -> Tones:
@@ -108,18 +111,21 @@ def _peaks(colors: FloatArray, weight: FloatArray) -> FloatArray:
     return np.array(peaks)
 
 
-def _contacts(labels: Labels, zones: Labels, count: int) -> tuple[Matrix, Matrix, FloatArray]:
-    """Count the pairs of neighbors that show two tones, those of them within one zone, and the way from one to the other."""
+def _contacts(labels: Labels, zones: Labels, count: int) -> tuple[Matrix, Matrix, FloatArray, FloatArray]:
+    """Measure the contacts of tones: those of `Tones`, in its order."""
     both, same = np.zeros((2, count, count))
-    way = np.zeros((count, count, 2))
+    way, perimeter = np.zeros((count, count, 2)), np.zeros(count)
     steps_of = ((labels[:, :-1], labels[:, 1:]), (labels[1:], labels[:-1]))
     same_zone = (zones[:, :-1] == zones[:, 1:], zones[1:] == zones[:-1])
     for axis, ((first, second), same_here) in enumerate(zip(steps_of, same_zone, strict=True)):
-        differ = (first != second) & (first >= 0) & (second >= 0)
+        edge = first != second
+        for side in (first[edge], second[edge]):
+            perimeter += np.bincount(side[side >= 0], minlength=count)
+        differ = edge & (first >= 0) & (second >= 0)
         key = first[differ].astype(np.intp) * count + second[differ]
         steps = np.bincount(key, minlength=count * count).reshape(count, count)
         smooth = np.bincount(key[same_here[differ]], minlength=count * count).reshape(count, count)
         both += steps + steps.T
         same += smooth + smooth.T
         way[..., axis] = steps - steps.T
-    return both, same, way
+    return both, same, way, perimeter
