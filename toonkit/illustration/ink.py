@@ -26,6 +26,9 @@ WIDEST = 0.035
 SMALLEST = 50.0
 """Square root of the area, in pixels, up to which lines are at most two pixels wide; above, at least four."""
 
+TINY = 16.0
+"""Square root of the area, in pixels, up to which paint may be as narrow as lines."""
+
 DARKER = 0.07
 """OKLab lightness by which a line is darker than the paint beside it."""
 
@@ -290,7 +293,7 @@ def _has_only_lines(frame: Frame, coverage: FloatArray) -> bool:
         return False
     paint = frame.mask & (coverage < PAINT)
     width = 2 * max(1, int(WIDEST * frame.size)) + 1
-    if np.count_nonzero(ndimage.minimum_filter(paint, width)) == 0:
+    if frame.size > TINY and not ndimage.minimum_filter(paint, width).any():
         return True
     colors = frame.lab[paint]
     middle = np.median(colors, axis=0)

@@ -186,15 +186,18 @@ def is_one_ramp(tones: Tones, facing: Facing) -> bool:
     brighter = smaller * (rise > 0.03)
     wrong = np.clip(illumination[:, None] - illumination + 0.02, 0.0, 0.2) / 0.2
     reversed_share = (brighter * wrong).sum() / max(brighter.sum(), 1e-9)
-    if reversed_share < 0.04 and _consecutive_touch(tones, 1.5 if facing.inked else 0.3):
+    if reversed_share < 0.06 and _consecutive_touch(tones, 1.5 if facing.inked else 0.3):
         return True
     if facing.inked:
         return False
     # Other tones hide the contact of consecutive ones where parts stand before each other, and where steps are almost hard.
-    if explained > 0.45 and reversed_share < 0.02:
+    in_front = light[2] > -0.1
+    if (explained > 0.45 and reversed_share < 0.02) or (
+        explained > 0.25 and in_front and reversed_share < 0.005
+    ):
         return True
     # On boxes every face has a tone of its own, next to any other, and the inflated normals say little.
-    faceted = explained > 0.22 and light[2] > -0.1 and reversed_share < 0.36
+    faceted = explained > 0.22 and in_front and reversed_share < 0.36
     return faceted and _skipped_share(tones) > 0.38
 
 
