@@ -28,6 +28,8 @@ from benchmarks.agreement import adjusted_rand_index, f1_score
 from benchmarks.material_sheets import sheet
 from benchmarks.shape_rows import Row, measured_rows, write_rows
 from toonkit.export.picture import write_picture
+from toonkit.illustration.ink import find_ink
+from toonkit.illustration.materials import label_materials
 from toonkit.metrics import leak, picture_error, response
 from toonkit.synthetic.drawing import DrawnScene, draw_scene
 from toonkit.synthetic.recipes import RECIPES
@@ -52,21 +54,17 @@ TOUCHED = 0.1
 SUFFIXES = (".png", ".webp", ".jpg", ".jpeg", ".tif", ".tiff", ".gif", ".bmp")
 
 
-def found_labels(image: toonkit.ToonImage, analysis: toonkit.ToonAnalysis) -> NDArray[np.int64]:
-    """Return the materials (H, W) that an analysis found; one region if it looks for none."""
-    materials = getattr(analysis, "materials", None)
-    if materials is None:
-        return np.where(image.mask, 0, -1)
-    return np.asarray(materials.labels)
+def found_labels(analysis: toonkit.ToonAnalysis) -> NDArray[np.int64]:
+    """Return the materials (H, W) that toonkit finds in an analyzed drawing."""
+    image, normals = analysis.image, analysis.initial_normals.vectors
+    return label_materials(
+        image.color, image.mask, coverage=found_ink(analysis), normals=normals, light=analysis.light
+    ).labels
 
 
 def found_ink(analysis: toonkit.ToonAnalysis) -> NDArray[np.float64]:
-    """Return the share of each pixel (H, W) that an analysis takes for ink."""
-    coverage = np.zeros(analysis.image.shape)
-    ink = analysis.drawing.line_art
-    if ink is not None:
-        coverage[analysis.drawing.inked_places] = ink.coverage
-    return coverage
+    """Return the share of each pixel (H, W) that toonkit takes for ink."""
+    return find_ink(analysis.image.color, analysis.image.mask).coverage
 
 
 def drawn(seed: int, size: int) -> DrawnScene:
@@ -79,7 +77,7 @@ def measured_drawing(seed: str, *, size: int) -> list[Row]:
     """Take one generated drawing apart, relight it, and compare with its truth."""
     scene = drawn(int(seed), size)
     analysis = toonkit.analyze(scene.image, scene.light)
-    mask, labels = scene.image.mask, found_labels(scene.image, analysis)
+    mask, labels = scene.image.mask, found_labels(analysis)
     clear = mask & (scene.ink < TOUCHED)
     light = toonkit.estimate_light(scene.image).light
     return [
@@ -128,7 +126,7 @@ def measured_file(path: str, *, output: Path | None) -> list[Row]:
     image = toonkit.load_image(path)
     analysis = toonkit.analyze(image, toonkit.light_direction(*FOLDER_LIGHT))
     pictures = [toonkit.relight(analysis, toonkit.light_direction(*angles)) for angles in FOLDER_LIGHTS]
-    labels = found_labels(image, analysis)
+    labels = found_labels(analysis)
     if output is not None:
         base = getattr(analysis, "base_color", image)
         write_picture(sheet(image, labels, base, pictures), output / f"{Path(path).stem}.png")

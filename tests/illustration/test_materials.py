@@ -24,7 +24,7 @@ from tests.illustration.drawings import (
 )
 from toonkit import inflate
 from toonkit.illustration.ink import find_ink
-from toonkit.illustration.materials import Materials, find_materials
+from toonkit.illustration.materials import Materials, label_materials
 from toonkit.study.color_maps import load_color_maps
 
 BODY = Ball(48, 48, 42, RED)
@@ -35,7 +35,7 @@ def found(drawn: Drawn, *, light: object = LIGHT) -> Materials:
     """Take a drawing apart as an analysis does."""
     ink = find_ink(drawn.color, drawn.mask)
     normals = inflate(drawn.mask).vectors
-    return find_materials(drawn.color, drawn.mask, coverage=ink.coverage, normals=normals, light=light)
+    return label_materials(drawn.color, drawn.mask, coverage=ink.coverage, normals=normals, light=light)
 
 
 def agrees(drawn: Drawn, materials: Materials) -> float:
@@ -260,11 +260,11 @@ def test_padding_changes_nothing() -> None:
 
 def test_a_drawing_of_one_flat_color_is_one_material() -> None:
     color = np.full((20, 20, 3), 0.5)
-    materials = find_materials(color, np.ones((20, 20), bool))
+    materials = label_materials(color, np.ones((20, 20), bool))
     assert materials.count == 1
     np.testing.assert_allclose(materials.tones[0], [[0.5, 0.5, 0.5]], atol=1e-6)
 
 
 def test_nothing_but_ink_is_one_material() -> None:
     color, mask = np.full((20, 20, 3), 0.1), np.ones((20, 20), bool)
-    assert find_materials(color, mask, coverage=np.ones((20, 20))).count == 1
+    assert label_materials(color, mask, coverage=np.ones((20, 20))).count == 1

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from toonkit.model.oklab import oklab_to_srgb, srgb_to_oklab
+from toonkit.model.oklab import oklab_to_srgb, srgb_to_oklab, tabulated_oklab
 
 
 def test_oklab_and_back_is_the_same_color():
@@ -32,3 +32,10 @@ def test_grays_have_no_chroma_and_rising_lightness():
 
 def test_what_is_outside_the_object_stays_nan():
     assert np.isnan(srgb_to_oklab([np.nan] * 3)).all()
+
+
+def test_the_quick_conversion_is_as_exact_as_it_says():
+    colors = np.random.default_rng(1).random((5000, 3))
+    apart = np.abs(tabulated_oklab(colors) - srgb_to_oklab(colors)).max(axis=1)
+    assert apart[(colors > 1 / 255).all(axis=1)].max() < 0.003
+    assert apart.max() < 0.02

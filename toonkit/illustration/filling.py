@@ -7,7 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray
-from toonkit.illustration.oklab import Lab
+from toonkit.model.oklab import Lab
 
 Labels = NDArray[np.int32]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray
-from toonkit.illustration.oklab import Lab, oklab
+from toonkit.model.oklab import Lab, tabulated_oklab
 
 MARGIN = 1
 """Pixels around the bounding box: every pixel of the object then has eight neighbors."""
@@ -46,7 +46,7 @@ class Frame:
         cut = np.zeros((*inside.shape, 3))
         within = cut[MARGIN:-MARGIN, MARGIN:-MARGIN]
         within[mask[place]] = color[place][mask[place]]
-        return cls(place, inside, cut, oklab(cut))
+        return cls(place, inside, cut, tabulated_oklab(cut))
 
     def cut(self, values: FloatArray) -> FloatArray:
         """Cut values (H, W, ...) of the picture to this frame, zero in the margin."""

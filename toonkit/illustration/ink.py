@@ -18,7 +18,7 @@ from scipy import ndimage
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.illustration.filling import nearest_sources
 from toonkit.illustration.frame import Frame
-from toonkit.illustration.oklab import Lab
+from toonkit.model.oklab import Lab
 
 WIDEST = 0.035
 """Width of a line at most, in square roots of the object's area."""

@@ -47,7 +47,7 @@ class Materials:
         return len(self.tones)
 
 
-def find_materials(
+def label_materials(
     color: FloatArray,
     mask: NDArray[np.bool_],
     *,
@@ -80,7 +80,7 @@ def find_materials(
     --------
     >>> color = np.full((32, 32, 3), (0.8, 0.2, 0.2))
     >>> color[:, 16:] = (0.2, 0.3, 0.8)
-    >>> find_materials(color, np.ones((32, 32), bool)).count
+    >>> label_materials(color, np.ones((32, 32), bool)).count
     2
     """
     frame = Frame.around(color, mask)

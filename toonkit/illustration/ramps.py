@@ -62,6 +62,9 @@ which are rare there, is set by hand.
 LARGE = 0.002
 """Share of the paint from which a tone counts where a drawing is tested for being one ramp."""
 
+TURNED_BACK = 1.0
+"""Radians by which the hue of a ramp may turn back on its way from dark to bright."""
+
 Groups = NDArray[np.intp]
 
 
@@ -169,15 +172,17 @@ def is_one_ramp(tones: Tones, facing: Facing) -> bool:
     """
     Tell whether a whole drawing is one material, however its hue turns.
 
-    Its tones then form a curve: no two of one lightness differ in color. Each touches the next one. The lightness follows
-    the initial normals in some light from the front, and no brighter tone faces farther away from it than a darker one.
+    Its tones then form a curve: no two of one lightness differ in color, and their hue turns one way. Each touches the next
+    one. The lightness follows the initial normals in some light from the front, and no brighter tone faces farther away from
+    it than a darker one.
     """
     area, lightness = tones.area.astype(np.float64), tones.lab[:, 0]
     total = area.sum()
     smaller = np.minimum(area[:, None], area)
     rise = lightness[None, :] - lightness[:, None]
     apart = np.linalg.norm(tones.lab[:, None] - tones.lab, axis=2)
-    if (smaller * ((np.abs(rise) < 0.03) & (apart > 0.05))).sum() > 0.004 * total:
+    ambiguous = (smaller * ((np.abs(rise) < 0.03) & (apart > 0.05))).sum() > 0.004 * total
+    if ambiguous or _turned_back(tones) > TURNED_BACK:
         return False
     explained, light = _explained_by_normals(lightness, area, facing)
     if explained < 0.1 or light[2] < -0.32:
@@ -199,6 +204,16 @@ def is_one_ramp(tones: Tones, facing: Facing) -> bool:
     # On boxes every face has a tone of its own, next to any other, and the inflated normals say little.
     faceted = explained > 0.22 and in_front and reversed_share < 0.36
     return faceted and _skipped_share(tones) > 0.38
+
+
+def _turned_back(tones: Tones) -> float:
+    """Return by how much hue turns back from dark to bright, in radians: its whole way less its net turn."""
+    chroma = np.hypot(tones.lab[:, 1], tones.lab[:, 2])
+    told = np.flatnonzero((chroma > COLORED) & (tones.area >= LARGE * tones.area.sum()))
+    told = told[np.argsort(tones.lab[told, 0], kind="stable")]
+    hue = np.arctan2(tones.lab[told, 2], tones.lab[told, 1])
+    turns = np.angle(np.exp(1j * np.diff(hue)))
+    return float(np.abs(turns).sum() - abs(turns.sum()))
 
 
 def _skipped_share(tones: Tones) -> float:

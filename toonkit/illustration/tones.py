@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
 from toonkit.illustration.filling import Labels
-from toonkit.illustration.oklab import Lab
 from toonkit.illustration.zones import Zones
+from toonkit.model.oklab import Lab
 
 CELL = 0.015
 """Width of the histogram's cells, OKLab."""

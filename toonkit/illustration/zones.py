@@ -16,7 +16,7 @@ from scipy import ndimage
 
 from toonkit._validation import BoolArray
 from toonkit.illustration.filling import Labels, nearest_sources
-from toonkit.illustration.oklab import Lab
+from toonkit.model.oklab import Lab
 
 SAME = 0.012
 """OKLab distance within which neighbors are painted alike: three steps of an 8-bit channel."""

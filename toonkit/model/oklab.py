@@ -7,10 +7,16 @@ Source: Björn Ottosson, "A perceptual color space for image processing" (2020),
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from toonkit._validation import FloatArray
 from toonkit.model.luminance import linear_to_srgb, srgb_to_linear
+
+Lab = NDArray[np.float32]
+"""OKLab in single precision."""
+
+_LEVELS = 1023
+"""Steps of the table that `tabulated_oklab` decodes sRGB with: four of them to a step of an 8-bit picture."""
 
 _LMS_OF_LINEAR = np.array(
     [
@@ -75,3 +81,24 @@ def oklab_to_srgb(lab: ArrayLike) -> FloatArray:
     """
     roots = np.asarray(lab, dtype=np.float64) @ _ROOTS_OF_OKLAB.T
     return linear_to_srgb(roots**3 @ _LINEAR_OF_LMS.T)
+
+
+def tabulated_oklab(color: FloatArray) -> Lab:
+    """
+    Convert painted colors to OKLab quickly, in single precision and with sRGB in 1024 levels.
+
+    Parameters
+    ----------
+    color : ndarray, shape (..., 3)
+        sRGB in [0, 1], without NaN.
+
+    Returns
+    -------
+    ndarray of float32, shape (..., 3)
+        As `srgb_to_oklab`, to about 0.002; darker than a step of an 8-bit picture, to 0.02.
+    """
+    decoded = srgb_to_linear(np.linspace(0.0, 1.0, _LEVELS + 1)).astype(np.float32)
+    level = np.rint(np.asarray(color) * _LEVELS).astype(np.intp)
+    roots = np.cbrt(decoded[np.clip(level, 0, _LEVELS)] @ _LMS_OF_LINEAR.T.astype(np.float32))
+    lab: Lab = roots @ _OKLAB_OF_ROOTS.T.astype(np.float32)
+    return lab
