@@ -15,8 +15,8 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-COLLECT_SECONDS = 2.0
-"""Pause before memory is collected: by then Panel and Bokeh have let go of the session, too."""
+COLLECT_SECONDS = (2.0, 12.0)
+"""Pauses before memory is collected: once Bokeh has let go of the session, and once Panel has, which waits for a while."""
 
 
 def free_when_left(page: pmui.Page, *closing: Callable[[], None]) -> None:
@@ -39,7 +39,8 @@ def free_when_left(page: pmui.Page, *closing: Callable[[], None]) -> None:
         for reference, (_, _, owner, _) in list(pn.state._views.items()):
             if owner is document:
                 del pn.state._views[reference]
-        asyncio.get_running_loop().call_later(COLLECT_SECONDS, _collect)
+        for seconds in COLLECT_SECONDS:
+            asyncio.get_running_loop().call_later(seconds, _collect)
 
     pn.state.on_session_destroyed(left)
 
