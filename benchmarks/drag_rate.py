@@ -12,22 +12,15 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import os
-import shutil
-import socket
 import statistics
-import subprocess
-import sys
 import time
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page
 
-ROOT = Path(__file__).parents[1]
-CHROMIUM_FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync"]
+from benchmarks.relight_page import drop_file, four_tone_ball, served_page, system_chromium
+
 SIZE = 512
 WANTED_RATE = 20
 WANTED_SECONDS = 10
@@ -44,46 +37,6 @@ WebGL2RenderingContext.prototype.drawArrays = function (...call) {
 """
 
 
-def drawing() -> bytes:
-    """Return a 512 x 512 four-tone ball with an antialiased outline, as a PNG file."""
-    y, x = np.mgrid[:SIZE, :SIZE] - (SIZE - 1) / 2
-    radius = np.hypot(x, y)
-    inside = np.sqrt(np.maximum(0, 1 - (radius / 250) ** 2))
-    light = (-0.5 * x / 250 - 0.5 * y / 250) + 0.7071 * inside
-    ramp = np.array([[58, 38, 84], [122, 62, 108], [214, 108, 96], [250, 190, 120]])
-    color = ramp[np.digitize(light, [-0.2, 0.3, 0.7])]
-    alpha = np.clip(250.5 - radius, 0, 1) * 255
-    file = BytesIO()
-    Image.fromarray(np.dstack([color, alpha]).astype(np.uint8)).save(file, "PNG")
-    return file.getvalue()
-
-
-def serve(port: int) -> subprocess.Popen[bytes]:
-    """Start the dashboard and wait until it listens. Nothing of it is warm yet."""
-    command = [sys.executable, "-m", "panel", "serve", str(ROOT / "dashboards" / "relight.py")]
-    command += [
-        "--port",
-        str(port),
-        "--address",
-        "127.0.0.1",
-        "--allow-websocket-origin",
-        f"127.0.0.1:{port}",
-    ]
-    path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
-    server = subprocess.Popen(
-        command, env={**os.environ, "PYTHONPATH": path}, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    end = time.monotonic() + 60
-    while time.monotonic() < end:
-        try:
-            with socket.create_connection(("127.0.0.1", port), timeout=5):
-                return server
-        except ConnectionError:
-            time.sleep(0.1)
-    server.terminate()
-    raise SystemExit("the dashboard did not start")
-
-
 def seconds_to_first_picture(page: Page, url: str) -> float:
     start = time.perf_counter()
     page.goto(url)
@@ -92,9 +45,7 @@ def seconds_to_first_picture(page: Page, url: str) -> float:
 
 
 def drop(page: Page) -> None:
-    page.locator("input[type=file]").set_input_files(
-        {"name": "ball.png", "mimeType": "image/png", "buffer": drawing()}
-    )
+    drop_file(page, four_tone_ball(SIZE, 250))
     page.wait_for_function(f"window.finished.at(-1)[1] === {SIZE}", timeout=120_000)
     page.wait_for_selector(".busy:not(.on)", state="attached")
     page.wait_for_timeout(3000)  # the plots below the pictures are drawn too
@@ -128,29 +79,17 @@ def main() -> None:
         "--screenshot", type=Path, help="write a picture of the page with its sample here, as PNG"
     )
     options = parser.parse_args()
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    url = f"http://127.0.0.1:{port}/relight"
-    server = serve(port)
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    try:
-        with sync_playwright() as playwright:
-            browser = playwright.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS)
-            page = browser.new_page(viewport={"width": 1440, "height": 900})
-            page.add_init_script(COUNT_FINISHED_PICTURES)
-            first = seconds_to_first_picture(page, url)
-            page.wait_for_timeout(4000)
-            again = seconds_to_first_picture(page, url)
-            page.wait_for_timeout(6000)  # the plots below the pictures are drawn too
-            if options.screenshot:
-                page.screenshot(path=options.screenshot)
-            drop(page)
-            times = drag(page, options.seconds)
-            browser.close()
-    finally:
-        server.terminate()
-        server.wait()
+    with served_page() as (url, _), system_chromium() as browser:
+        page = browser.new_page(viewport={"width": 1440, "height": 900})
+        page.add_init_script(COUNT_FINISHED_PICTURES)
+        first = seconds_to_first_picture(page, url)
+        page.wait_for_timeout(4000)
+        again = seconds_to_first_picture(page, url)
+        page.wait_for_timeout(6000)  # the plots below the pictures are drawn too
+        if options.screenshot:
+            page.screenshot(path=options.screenshot)
+        drop(page)
+        times = drag(page, options.seconds)
     gaps = np.diff(times)
     figures = {
         "picture": [SIZE, SIZE],

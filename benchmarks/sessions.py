@@ -11,19 +11,14 @@ from __future__ import annotations
 
 import argparse
 import csv
-import shutil
-import socket
 import threading
 import time
-from io import BytesIO
 from pathlib import Path
 
-import numpy as np
 import psutil
-from PIL import Image
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 
-from benchmarks.drag_rate import CHROMIUM_FLAGS, serve
+from benchmarks.relight_page import drop_file, four_tone_ball, served_page, system_chromium
 
 VISITS = 16
 SIZE = 1300
@@ -56,20 +51,6 @@ class MemoryWatch:
             self.peak = max(self.peak, self.now())
 
 
-def drawing(visit: int, size: int) -> bytes:
-    """Return a four-tone ball as a PNG file, another for each visit."""
-    y, x = np.mgrid[:size, :size] - (size - 1) / 2
-    radius = 0.48 * size - visit
-    distance = np.hypot(x, y) / radius
-    light = -0.5 * (x + y) / radius + 0.7071 * np.sqrt(np.maximum(0, 1 - distance**2))
-    ramp = np.array([[58, 38, 84], [122, 62, 108], [214, 108, 96], [250, 190, 120]])
-    color = ramp[np.digitize(light, [-0.2, 0.3, 0.7])]
-    alpha = np.where(distance <= 1, 255, 0)
-    file = BytesIO()
-    Image.fromarray(np.dstack([color, alpha]).astype(np.uint8)).save(file, "PNG")
-    return file.getvalue()
-
-
 def visit(browser: Browser, url: str, content: bytes | None, size: int) -> None:
     """Open the page, drop a drawing if there is one, and leave once it is relit."""
     page = browser.new_page(viewport={"width": 1280, "height": 720})
@@ -82,9 +63,8 @@ def visit(browser: Browser, url: str, content: bytes | None, size: int) -> None:
 
 
 def drop(page: Page, content: bytes, size: int) -> None:
-    page.locator("input[type=file]").set_input_files(
-        {"name": "drawing.png", "mimeType": "image/png", "buffer": content}
-    )
+    """Drop a drawing and wait until it is relit."""
+    drop_file(page, content)
     page.wait_for_function(
         f"[...document.querySelectorAll('*')].flatMap(function all(node) {{"
         f"  return [node, ...[...(node.shadowRoot?.querySelectorAll('*') ?? [])].flatMap(all)] }})"
@@ -103,28 +83,18 @@ def main() -> None:
     parser.add_argument("--visits", type=int, default=VISITS, help=f"visitors (default {VISITS})")
     parser.add_argument("--size", type=int, default=SIZE, help=f"pixels of a side (default {SIZE})")
     options = parser.parse_args()
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    url = f"http://127.0.0.1:{port}/relight"
-    server = serve(port)
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    try:
-        with sync_playwright() as playwright:
-            browser = playwright.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS)
+    with served_page() as (url, server):
+        with system_chromium() as browser:
             visit(browser, url, None, options.size)
             time.sleep(AFTER_SECONDS)
             memory = MemoryWatch(server.pid)
             before = memory.now()
             for number in range(options.visits):
-                visit(browser, url, drawing(number, options.size), options.size)
-            browser.close()
+                ball = four_tone_ball(options.size, 0.48 * options.size - number)  # another for each visit
+                visit(browser, url, ball, options.size)
         time.sleep(AFTER_SECONDS)
         memory.end()
         after = memory.now()
-    finally:
-        server.terminate()
-        server.wait()
     row = {
         "visits": options.visits,
         "size": options.size,

@@ -30,7 +30,7 @@ from tqdm import tqdm
 
 import toonkit
 from benchmarks import other_solvers
-from toonkit.estimation.energy import change_energy, printed_energy
+from toonkit.estimation.energy import change_energy
 from toonkit.estimation.inflation import RESIDUAL_TOLERANCE, silhouette_system
 from toonkit.estimation.shape_prior import correct_shape
 from toonkit.methods.steps import inflate_drawing
@@ -167,7 +167,7 @@ def problems(shape: str, size: int) -> Problems:
         membrane,
         right_side,
         change_energy(island.grid, island.silhouette, corrected.compact, LIGHT, allowed, OPTIONS),
-        printed_energy(island.grid, initial.compact, LIGHT, printed, rho=RHO, smoothness=LAMBDA),
+        steps.printed_energy(printed, rho=RHO, smoothness=LAMBDA),
     )
 
 

@@ -20,13 +20,11 @@ import numpy as np
 from tqdm import tqdm
 
 from toonkit import ToonAnalysis
-from toonkit.estimation.energy import printed_energy
 from toonkit.estimation.refinement import Refinement, refine_as_printed
 from toonkit.methods.steps import inflate_drawing
 from toonkit.methods.todo import LAMBDA, RHO
-from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.normals import NormalField
-from toonkit.numerics.masked_grid import MaskedGrid
+from toonkit.numerics.smoothness_energy import SmoothnessEnergy
 from toonkit.numerics.unit_field import solve_unit_field
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.contestants import Contestant
@@ -48,27 +46,18 @@ Row = dict[str, float]
 def stopped(image, light, *, progress=None, sweeps: float, energies: list[float]) -> ToonAnalysis:
     """Analyze as `todo` does, but for the number of sweeps; note the energy at the end against that at the start."""
     steps = inflate_drawing(image, light, progress)
+    allowed, _ = steps.fit_intervals(steps.initial_normals)
+    energy = steps.printed_energy(allowed, rho=RHO, smoothness=LAMBDA)
     if math.isinf(sweeps):
-        refinement = minimized(steps.initial_normals, steps.light, steps.fit_interval())
+        refinement = minimized(energy, steps.drawing.mask)
     else:
-        refinement = refine_as_printed(
-            steps.initial_normals,
-            steps.light,
-            steps.fit_interval(),
-            rho=RHO,
-            smoothness=LAMBDA,
-            max_sweeps=int(sweeps),
-            tolerance=0.0,
-        )
+        refinement = refine_as_printed(energy, steps.drawing.mask, max_sweeps=int(sweeps), tolerance=0.0)
     energies.append(refinement.report.energies[-1] / refinement.report.energies[0])
     return steps.finish("todo", refinement)
 
 
-def minimized(start: NormalField, light: np.ndarray, interval: IlluminationInterval) -> Refinement:
+def minimized(energy: SmoothnessEnergy, mask: np.ndarray) -> Refinement:
     """Minimize Eq. 5 from the initial normals by multigrid, until nothing is left to gain."""
-    mask = start.mask
-    allowed = IlluminationInterval(interval.lower[mask], interval.upper[mask])
-    energy = printed_energy(MaskedGrid(mask), start.compact, light, allowed, rho=RHO, smoothness=LAMBDA)
     field, report = solve_unit_field(energy, tolerance=CONVERGED, max_cycles=1000)
     return Refinement(NormalField.of_pixels(field, mask), report)
 

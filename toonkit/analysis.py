@@ -53,10 +53,9 @@ class ToonAnalysis:
     drawing: PreparedDrawing = field(kw_only=True, default=None)  # type: ignore[assignment]  # None until __post_init__
 
     def __post_init__(self) -> None:
-        drawing = prepare(self.image)
-        if self.drawing is None or self.drawing.image is not drawing.image:
-            object.__setattr__(self, "drawing", drawing)
-        object.__setattr__(self, "image", drawing.image)
+        if self.drawing is None or self.drawing.image is not self.image:
+            object.__setattr__(self, "drawing", prepare(self.image))
+            object.__setattr__(self, "image", self.drawing.image)
 
     @property
     def illumination(self) -> FloatArray:

@@ -11,7 +11,9 @@ from toonkit import (
     illumination,
     illumination_interval,
 )
+from toonkit.estimation.energy import printed_energy
 from toonkit.estimation.refinement import refine, refine_as_printed
+from toonkit.numerics.masked_grid import MaskedGrid
 
 SHAPE = ellipse(24, 16)
 MASK = SHAPE.mask
@@ -45,9 +47,11 @@ def test_with_a_margin_no_pixel_that_was_moved_ends_on_a_bound():
 
 
 def test_without_smoothness_the_printed_energy_is_the_shading_alone():
-    refined = refine_as_printed(
-        SHAPE.normals, LIGHT, everywhere(0.5), rho=20.0, smoothness=0.0, relaxation=1.0
+    grid, half = MaskedGrid(MASK), np.full(MASK.sum(), 0.5)
+    energy = printed_energy(
+        grid, SHAPE.normals.compact, LIGHT, IlluminationInterval(half, half), rho=20.0, smoothness=0.0
     )
+    refined = refine_as_printed(energy, MASK, relaxation=1.0)
     assert np.nanmedian(np.abs(illumination(refined.normals, LIGHT) - 0.5)) < 0.01
 
 

@@ -5,9 +5,9 @@ import pytest
 
 from tests.analytic import ellipse
 from toonkit.estimation import silhouette as silhouette_module
-from toonkit.estimation.islands import bounding_box, with_surroundings
+from toonkit.estimation.islands import with_surroundings
 from toonkit.estimation.silhouette import Silhouette, _Outline, _smooth_curves, trace_silhouette
-from toonkit.numerics.masked_grid import OUTSIDE, STEPS, MaskedGrid
+from toonkit.numerics.masked_grid import OUTSIDE, STEPS, MaskedGrid, bounding_box
 
 
 def traced(mask, alpha) -> tuple[MaskedGrid, Silhouette]:

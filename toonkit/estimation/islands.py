@@ -13,16 +13,13 @@ from scipy.ndimage import find_objects, label
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.silhouette import Silhouette, trace_silhouette
-from toonkit.numerics.masked_grid import STEPS, IndexArray, MaskedGrid
+from toonkit.numerics.masked_grid import STEPS, Box, IndexArray, MaskedGrid, bounding_box
 
 LEAST_PIXELS = 64
 """Pixels of an island that is analyzed by itself. Smaller ones, such as the dots of a dithered drawing, form one object."""
 
 MOST = 100
 """Islands that are analyzed by themselves, at most: the largest ones."""
-
-Box = tuple[slice, slice]
-"""Rows and columns."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,12 +45,6 @@ class Island:
     def silhouette(self) -> Silhouette:
         """The outline, between the pixels."""
         return trace_silhouette(self.grid, self.coverage)
-
-
-def bounding_box(mask: BoolArray) -> Box:
-    """Return the rows and columns that the True pixels of a mask (H, W) span; there is at least one."""
-    rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
-    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
 
 
 def with_surroundings(image: NDArray[Any], box: Box) -> NDArray[Any]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray, of_type, refuse
 from toonkit.estimation.inflation import inflate_islands
-from toonkit.estimation.islands import Island, bounding_box, find_islands, rim_pixels, with_surroundings
+from toonkit.estimation.islands import Island, find_islands, rim_pixels, with_surroundings
 from toonkit.estimation.line_art import LineArt, find_line_art
 from toonkit.estimation.overview import ReducedPaint, reduce_paint
 from toonkit.estimation.painted_tones import PaintedTones, decoded
@@ -17,7 +17,7 @@ from toonkit.estimation.silhouette import cut_sides
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
-from toonkit.numerics.masked_grid import MaskedGrid
+from toonkit.numerics.masked_grid import MaskedGrid, bounding_box
 
 MOST_PIXELS = 25_000_000
 """Pixels of an object at most, 5000 x 5000: an analysis needs up to 400 bytes of memory for each of them."""

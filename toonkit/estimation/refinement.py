@@ -19,13 +19,13 @@ from toonkit._validation import (
     same_mask,
     same_shape,
 )
-from toonkit.estimation.energy import RefinementOptions, change_energy, printed_energy
-from toonkit.estimation.islands import Island, bounding_box, islands_of, join
+from toonkit.estimation.energy import RefinementOptions, change_energy
+from toonkit.estimation.islands import Island, islands_of, join
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.normals import NormalField
 from toonkit.numerics.gauss_seidel import over_relaxed_sweeps
-from toonkit.numerics.masked_grid import MaskedGrid
 from toonkit.numerics.report import SolverReport, join_reports
+from toonkit.numerics.smoothness_energy import SmoothnessEnergy
 from toonkit.numerics.unit_field import solve_unit_field
 
 Progress = Callable[[float], None]
@@ -177,30 +177,23 @@ def _ignored(_fraction: float) -> None:
 
 
 def refine_as_printed(
-    initial_normals: NormalField,
-    light: ArrayLike,
-    interval: IlluminationInterval,
+    energy: SmoothnessEnergy,
+    mask: BoolArray,
     *,
-    rho: float,
-    smoothness: float,
     relaxation: float = SWEEP_RELAXATION,
     max_sweeps: int = MAX_SWEEPS,
     tolerance: float = SWEEP_TOLERANCE,
     progress: Progress | None = None,
 ) -> Refinement:
     """
-    Refine normals by Eq. 5 with Gauss-Seidel and successive over-relaxation, from N0: the paper's own way.
+    Minimize Eq. 5 from N0 by Gauss-Seidel with successive over-relaxation: the paper's own way.
 
     Parameters
     ----------
-    initial_normals : NormalField
-        N0.
-    light : array_like, shape (3,)
-        Direction from the surface to the light.
-    interval : IlluminationInterval
-        Range of illumination that each pixel's color allows; lower = upper gives Eq. 3.
-    rho, smoothness : float
-        The paper's rho and lambda, per pixel.
+    energy : SmoothnessEnergy
+        Of `toonkit.estimation.energy.printed_energy`.
+    mask : ndarray, shape (H, W)
+        The picture's mask, whose pixels in row-major order are those of the energy.
     relaxation : float, optional
         Over-relaxation factor.
     max_sweeps : int, optional
@@ -214,21 +207,7 @@ def refine_as_printed(
     -------
     Refinement
         Normals and report.
-
-    Raises
-    ------
-    ToonkitError
-        If the light is refused or the interval has another size or is unknown on the object.
     """
-    mask = initial_normals.mask
-    energy = printed_energy(
-        MaskedGrid(np.ascontiguousarray(mask[bounding_box(mask)])),
-        initial_normals.compact,
-        as_light("light", light),
-        _on_object(interval, mask),
-        rho=rho,
-        smoothness=smoothness,
-    )
     field, report = over_relaxed_sweeps(
         energy, relaxation=relaxation, max_sweeps=max_sweeps, tolerance=tolerance, progress=progress
     )

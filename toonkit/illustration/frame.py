@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.model.oklab import Lab, tabulated_oklab
+from toonkit.numerics.masked_grid import Box, bounding_box
 
 MARGIN = 1
 """Pixels around the bounding box: every pixel of the object then has eight neighbors."""
@@ -32,7 +33,7 @@ class Frame:
         The same in OKLab.
     """
 
-    place: tuple[slice, slice]
+    place: Box
     mask: BoolArray
     color: FloatArray
     lab: Lab
@@ -40,8 +41,7 @@ class Frame:
     @classmethod
     def around(cls, color: FloatArray, mask: BoolArray) -> Frame:
         """Cut out the object of a picture (H, W, 3); colors outside the mask (H, W) are ignored."""
-        rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
-        place = (slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1))
+        place = bounding_box(mask)
         inside = np.pad(mask[place], MARGIN)
         cut = np.zeros((*inside.shape, 3))
         within = cut[MARGIN:-MARGIN, MARGIN:-MARGIN]

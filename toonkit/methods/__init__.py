@@ -100,12 +100,14 @@ def analyze(
     """
     if method not in METHODS:
         raise refuse("method", f"must be one of {', '.join(METHODS)}", repr(method))
-    drawing = prepare(image)
     if previous is not None:
         of_type("previous", previous, ToonAnalysis)
-        same_mask("previous", previous.image.mask, image.mask, "the picture")
-        if previous.image is image:
-            drawing = previous.drawing
+    if previous is not None and previous.image is image:
+        drawing = previous.drawing
+    else:
+        drawing = prepare(image)
+        if previous is not None:
+            same_mask("previous", previous.image.mask, drawing.mask, "the picture")
     options: dict[str, Any] = {} if previous is None else {"previous": previous}
     with single_threaded_blas():
         if light is not None:

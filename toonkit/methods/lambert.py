@@ -61,14 +61,8 @@ def lambert(
     del previous
     steps = inflate_drawing(drawing, light, progress)
     target = _stretched_luminance(luminance(steps.drawing.paint), steps.initial_illumination)
-    refinement = refine_as_printed(
-        steps.initial_normals,
-        steps.light,
-        steps.drawing.interval(IlluminationInterval(target, target)),
-        rho=1.0,
-        smoothness=SMOOTHNESS,
-        progress=steps.refining,
-    )
+    energy = steps.printed_energy(IlluminationInterval(target, target), rho=1.0, smoothness=SMOOTHNESS)
+    refinement = refine_as_printed(energy, steps.drawing.mask, progress=steps.refining)
     return steps.finish("lambert", refinement)
 
 

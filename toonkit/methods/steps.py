@@ -11,12 +11,13 @@ from numpy.typing import ArrayLike
 from toonkit._validation import FloatArray, as_light
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.color_map_fit import allowed_interval, painted_interval, rank_matched
-from toonkit.estimation.energy import RefinementOptions
+from toonkit.estimation.energy import RefinementOptions, printed_energy
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.estimation.refinement import Refinement, refine_islands
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
+from toonkit.numerics.smoothness_energy import SmoothnessEnergy
 
 StepProgress = Callable[[str, float], None]
 """Called with the name of the running step and the fraction of the whole done, 0 to 1; what it raises cancels."""
@@ -52,11 +53,6 @@ class Steps:
         """I0 = L · N0 of the object's pixels, shape (P,)."""
         return self._illumination(self.initial_normals)
 
-    def fit_interval(self, normals: NormalField | None = None) -> IlluminationInterval:
-        """Fit the color map to N0, or to better normals (Section 3.2); return the illumination it allows, (H, W)."""
-        allowed, _ = self.fit_intervals(self.initial_normals if normals is None else normals)
-        return self.drawing.interval(allowed)
-
     def fit_intervals(self, normals: NormalField) -> tuple[IlluminationInterval, IlluminationInterval]:
         """Fit the color map to normals; return the intervals (P,) it allows, and those without the range of mixed pixels."""
         if self.progress is not None:
@@ -64,6 +60,19 @@ class Steps:
         color_map = self._fit(normals)
         allowed = allowed_interval(self.drawing.tones, color_map)
         return allowed, painted_interval(self.drawing.tones, color_map, allowed)
+
+    def printed_energy(
+        self, allowed: IlluminationInterval, *, rho: float, smoothness: float
+    ) -> SmoothnessEnergy:
+        """Build Eq. 5 from N0 for intervals (P,) of illumination; see `toonkit.estimation.energy.printed_energy`."""
+        return printed_energy(
+            self.drawing.grid,
+            self.initial_normals.compact,
+            self.light,
+            allowed,
+            rho=rho,
+            smoothness=smoothness,
+        )
 
     def refine(
         self, normals: NormalField, previous: ToonAnalysis | None, options: RefinementOptions | None = None

@@ -52,12 +52,7 @@ def todo(
     """
     del previous
     steps = inflate_drawing(drawing, light, progress)
-    refinement = refine_as_printed(
-        steps.initial_normals,
-        steps.light,
-        steps.fit_interval(),
-        rho=RHO,
-        smoothness=LAMBDA,
-        progress=steps.refining,
-    )
+    allowed, _ = steps.fit_intervals(steps.initial_normals)
+    energy = steps.printed_energy(allowed, rho=RHO, smoothness=LAMBDA)
+    refinement = refine_as_printed(energy, steps.drawing.mask, progress=steps.refining)
     return steps.finish("todo", refinement)

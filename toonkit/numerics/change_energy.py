@@ -67,17 +67,7 @@ class ChangeEnergy(UnitVectorEnergy):
     def coarsened(self) -> ChangeEnergy:
         """Return the same energy on 2 x 2 blocks: of intervals and vectors the means, of links what is as stiff."""
         step = self.grid.coarsening
-        start, lower, upper, weight = self.block_means(step)
-        return replace(
-            self,
-            grid=step.coarse,
-            start=start,
-            lower=lower,
-            upper=upper,
-            weight=weight,
-            links=step.links(self.links),
-            ties=step.sums(self.ties),
-        )
+        return replace(self, **self.on_blocks(step), links=step.links(self.links), ties=step.sums(self.ties))
 
     def relax(self, terms: Terms, field: FloatArray, *, backward: bool) -> None:
         """Turn one vector after the other to where its own energy is least, in place."""

@@ -28,6 +28,9 @@ STIFFNESS = 0.5
 
 IndexArray = NDArray[np.int32]
 
+Box = tuple[slice, slice]
+"""Rows and columns."""
+
 Links = NDArray[np.float32]
 """Stiffness of links, (P, 4), exact to seven digits: half the memory, and solvers read little else as often."""
 
@@ -213,6 +216,12 @@ class Coarsening:
             _interpolate, fine.rows, fine.columns, self.parent, self.coarse.neighbors, field, out, adding
         )
         return out
+
+
+def bounding_box(mask: BoolArray) -> Box:
+    """Return the rows and columns that the True pixels of a mask (H, W) span; there is at least one."""
+    rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
 
 
 def rim_mask(mask: BoolArray) -> BoolArray:

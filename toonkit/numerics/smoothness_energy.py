@@ -78,16 +78,8 @@ class SmoothnessEnergy(UnitVectorEnergy):
     def coarsened(self) -> SmoothnessEnergy:
         """Return the same energy on 2 x 2 blocks: of intervals and vectors the means, of links what is as stiff."""
         step = self.grid.coarsening
-        start, lower, upper, weight = self.block_means(step)
         return replace(
-            self,
-            grid=step.coarse,
-            start=start,
-            lower=lower,
-            upper=upper,
-            weight=weight,
-            links=step.links(self.links),
-            areas=step.sums(self.areas),
+            self, **self.on_blocks(step), links=step.links(self.links), areas=step.sums(self.areas)
         )
 
     def relax(self, terms: Terms, field: FloatArray, *, backward: bool) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -110,12 +110,18 @@ class UnitVectorEnergy(ABC):
     def coarsened(self) -> UnitVectorEnergy:
         """Return the same energy on blocks of 2 x 2 pixels."""
 
-    def block_means(self, step: Coarsening) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return start, lower, upper and weight of blocks: the means of their pixels, and the sum of the weights."""
+    def on_blocks(self, step: Coarsening) -> dict[str, Any]:
+        """Return what all energies have, on blocks: of vectors and intervals the means, of weights the sums."""
         start = step.sums(self.weight[:, None] * self.start)
         weight = step.sums(self.weight)
         lower, upper = (step.sums(self.weight * bound) / weight for bound in (self.lower, self.upper))
-        return moved(step.coarse, start, start), lower, upper, weight
+        return {
+            "grid": step.coarse,
+            "start": moved(step.coarse, start, start),
+            "lower": lower,
+            "upper": upper,
+            "weight": weight,
+        }
 
 
 def moved(grid: MaskedGrid, field: FloatArray, step: FloatArray) -> FloatArray:
