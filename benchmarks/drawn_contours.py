@@ -14,8 +14,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from toonkit._validation import BoolArray, FloatArray
-from toonkit.estimation.line_art import LineArt
 from toonkit.estimation.tone_ranks import ToneRanks
+from toonkit.illustration.mixed_pixels import MixedPixels
 from toonkit.numerics.masked_grid import OUTSIDE, MaskedGrid
 
 APART, NARROWEST = 0.8, 2.5
@@ -49,15 +49,15 @@ class Contours:
 
 
 def drawn_contours(
-    ink: LineArt, tones: FloatArray, illumination: FloatArray, light: FloatArray, grid: MaskedGrid
+    ink: MixedPixels, tones: FloatArray, illumination: FloatArray, light: FloatArray, grid: MaskedGrid
 ) -> Contours | None:
     """
     Find the contours that the lines of a drawing show, where its colors tell which side is the nearer one.
 
     Parameters
     ----------
-    ink : LineArt
-        The lines.
+    ink : MixedPixels
+        The pixels that lines touch.
     tones : ndarray, shape (P,)
         Tones of the paint, without the ink.
     illumination : ndarray, shape (P,)
@@ -111,19 +111,19 @@ def cut_both_ways(grid: MaskedGrid, cut: BoolArray) -> BoolArray:
     return cut
 
 
-def _way_from_paint(ink: LineArt, grid: MaskedGrid) -> FloatArray:
+def _way_from_paint(ink: MixedPixels, grid: MaskedGrid) -> FloatArray:
     """Return the ways (P, 2) to inked pixels from their nearest paint: across the line, as seen from that side of it."""
     way = np.zeros((grid.size, 2))
-    way[ink.pixels, 0] = grid.columns[ink.pixels] - grid.columns[ink.sources]
-    way[ink.pixels, 1] = grid.rows[ink.sources] - grid.rows[ink.pixels]
+    way[ink.pixels, 0] = grid.columns[ink.pixels] - grid.columns[ink.sources[:, 0]]
+    way[ink.pixels, 1] = grid.rows[ink.sources[:, 0]] - grid.rows[ink.pixels]
     length: FloatArray = np.linalg.norm(way, axis=1, keepdims=True)
     return way / np.maximum(length, 1e-9)
 
 
-def _crossing(ink: LineArt, grid: MaskedGrid) -> BoolArray:
+def _crossing(ink: MixedPixels, grid: MaskedGrid) -> BoolArray:
     """Links (P, 4) in the middle of a line: the paint nearest to their ends lies on different sides of it."""
     row, column = grid.rows.astype(np.float64), grid.columns.astype(np.float64)
-    row[ink.pixels], column[ink.pixels] = grid.rows[ink.sources], grid.columns[ink.sources]
+    row[ink.pixels], column[ink.pixels] = grid.rows[ink.sources[:, 0]], grid.columns[ink.sources[:, 0]]
     distance = np.hypot(row - grid.rows, column - grid.columns)
     cut = np.zeros(grid.neighbors.shape, np.bool_)
     for direction in range(4):

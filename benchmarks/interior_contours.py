@@ -8,7 +8,7 @@ one with the contours that the colors show (edges where the illumination jumps f
 one side alone can be a rim under the light), and from one that knows the true contours, which no method can.
 
 Then the same pictures in ink: dark lines along the silhouette and the true contours. Each method reads the lines as shading,
-as it would without `toonkit.estimation.line_art`; takes them off; and takes them for contours, too.
+as it would without `toonkit.illustration.ink`; takes them off; and takes them for contours, too.
 
 Runs on the pictures of `benchmarks.ablation`. The seconds of those in ink hold the drawing of it, too.
 """
@@ -125,10 +125,10 @@ def found_contours(image: ToonImage, light: FloatArray) -> Contours:
 def lines_found(image: ToonImage, light: FloatArray) -> Contours | None:
     """Return the contours that the lines of a drawing show, where its colors tell which side is the nearer one."""
     read = prepare(image)
-    if read.line_art is None:
+    if read.mixed.pixels.size == 0:
         return None
     lit = read.initial_normals.compact @ light
-    return drawn_contours(read.line_art, read.tones.plain, lit, light, read.grid)
+    return drawn_contours(read.mixed, read.tones.plain, lit, light, read.grid)
 
 
 def inflated_within(image: ToonImage, contours: Contours | None) -> NormalField:
@@ -210,7 +210,7 @@ def variants(painting: Painting) -> dict[str, Method]:
 
     def overlooked(image: ToonImage) -> PreparedDrawing:
         drawing = prepare(inked(image))
-        drawing.line_art = None
+        drawing.ink = replace(drawing.ink, coverage=np.zeros_like(drawing.ink.coverage))
         return drawing
 
     kinds: dict[str, tuple[Finder | None, Drawing | None]] = {

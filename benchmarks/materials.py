@@ -21,15 +21,13 @@ from typing import Literal
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 import toonkit
 from benchmarks.agreement import adjusted_rand_index, f1_score
 from benchmarks.material_sheets import sheet
 from benchmarks.shape_rows import Row, measured_rows, write_rows
+from toonkit._validation import BoolArray
 from toonkit.export.picture import write_picture
-from toonkit.illustration.ink import find_ink
-from toonkit.illustration.materials import label_materials
 from toonkit.metrics import leak, picture_error, response
 from toonkit.synthetic.drawing import DrawnScene, draw_scene
 from toonkit.synthetic.recipes import RECIPES
@@ -54,19 +52,6 @@ TOUCHED = 0.1
 SUFFIXES = (".png", ".webp", ".jpg", ".jpeg", ".tif", ".tiff", ".gif", ".bmp")
 
 
-def found_labels(analysis: toonkit.ToonAnalysis) -> NDArray[np.int64]:
-    """Return the materials (H, W) that toonkit finds in an analyzed drawing."""
-    image, normals = analysis.image, analysis.initial_normals.vectors
-    return label_materials(
-        image.color, image.mask, coverage=found_ink(analysis), normals=normals, light=analysis.light
-    ).labels
-
-
-def found_ink(analysis: toonkit.ToonAnalysis) -> NDArray[np.float64]:
-    """Return the share of each pixel (H, W) that toonkit takes for ink."""
-    return find_ink(analysis.image.color, analysis.image.mask).coverage
-
-
 def drawn(seed: int, size: int) -> DrawnScene:
     """Draw the scene of a seed; neighboring seeds draw different things, so that a few drawings show many."""
     names = list(RECIPES)
@@ -77,7 +62,7 @@ def measured_drawing(seed: str, *, size: int) -> list[Row]:
     """Take one generated drawing apart, relight it, and compare with its truth."""
     scene = drawn(int(seed), size)
     analysis = toonkit.analyze(scene.image, scene.light)
-    mask, labels = scene.image.mask, found_labels(analysis)
+    mask, labels = scene.image.mask, analysis.materials.labels
     clear = mask & (scene.ink < TOUCHED)
     light = toonkit.estimate_light(scene.image).light
     return [
@@ -87,7 +72,7 @@ def measured_drawing(seed: str, *, size: int) -> list[Row]:
             "materials": len(scene.materials),
             "regions": len(np.unique(labels[mask])),
             "rand_index": adjusted_rand_index(labels, scene.labels, clear),
-            "ink_f1": f1_score((found_ink(analysis) >= 0.5)[mask], (scene.ink >= 0.5)[mask]),
+            "ink_f1": f1_score((analysis.drawing.ink_coverage >= 0.5)[mask], (scene.ink >= 0.5)[mask]),
             "normals": toonkit.angular_error(analysis.normals, scene.normals).mean,
             "light": float(np.rad2deg(np.arccos(np.clip(light @ scene.light, -1.0, 1.0)))),
             **_relit(scene, analysis),
@@ -101,7 +86,7 @@ def _relit(scene: DrawnScene, analysis: toonkit.ToonAnalysis) -> Row:
     rows = []
     for angles in LIGHTS:
         direction = toonkit.light_direction(*angles)
-        truth, ours = scene.relit(direction), toonkit.relight(analysis, direction)
+        truth, ours = scene.relit(direction), toonkit.relight(analysis, direction, flat_shading=0.0)
         rows.append(
             {
                 "relit": picture_error(ours, truth).rmse,
@@ -117,7 +102,7 @@ def _relit(scene: DrawnScene, analysis: toonkit.ToonAnalysis) -> Row:
     return dict(pd.DataFrame(rows).mean())
 
 
-def _rmse(picture: toonkit.ToonImage, truth: toonkit.ToonImage, where: NDArray[np.bool_]) -> float:
+def _rmse(picture: toonkit.ToonImage, truth: toonkit.ToonImage, where: BoolArray) -> float:
     return float(np.sqrt(((picture.color[where] - truth.color[where]) ** 2).mean()))
 
 
@@ -126,10 +111,9 @@ def measured_file(path: str, *, output: Path | None) -> list[Row]:
     image = toonkit.load_image(path)
     analysis = toonkit.analyze(image, toonkit.light_direction(*FOLDER_LIGHT))
     pictures = [toonkit.relight(analysis, toonkit.light_direction(*angles)) for angles in FOLDER_LIGHTS]
-    labels = found_labels(analysis)
+    labels = analysis.materials.labels
     if output is not None:
-        base = getattr(analysis, "base_color", image)
-        write_picture(sheet(image, labels, base, pictures), output / f"{Path(path).stem}.png")
+        write_picture(sheet(image, labels, analysis.base_color, pictures), output / f"{Path(path).stem}.png")
     return [
         {
             "file": Path(path).name,

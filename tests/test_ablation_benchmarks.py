@@ -296,8 +296,7 @@ def test_a_line_across_a_ball_is_taken_for_a_contour_which_is_why_no_method_does
 def test_the_drawing_in_ink_is_the_picture_but_for_its_lines():
     image, shape = balls(35, -35)
     drawing = interior_contours.in_ink(image, shape)
-    ink = prepare(drawing).line_art
-    assert ink is not None
+    ink = prepare(drawing).mixed
     changed = np.abs(drawing.color - image.color).max(axis=-1)[image.mask] > 0
     assert set(ink.pixels) >= set(np.flatnonzero(changed & (image.color[image.mask].mean(axis=1) > 0.4)))
     near = interior_contours.true_contours(shape).outward.any(axis=1)

@@ -1,10 +1,10 @@
 """
 toonkit: the shape and the colors behind a cartoon-shaded drawing, and that drawing under a new light.
 
-The model is c = M(L · N). Where to read what, in the order of the paper:
+The model is c = M(L · N), with a color map M for each material, under ink. Where to read what, in the order of the paper:
 
     Section 3      toonkit.model                       pictures, lights, normals, color maps, shading
-                   toonkit.estimation.line_art         ink, taken off before anything else
+                   toonkit.illustration                what real drawings add: ink, materials, flat shading
     Section 3.1    toonkit.estimation.inflation        initial normals (Eq. 1); shape_prior corrects them, as learned
     Section 3.2    toonkit.estimation.color_map_fit    the color map by rank matching; light_fit the light
     Section 3.3    toonkit.estimation.energy           what is minimized (Eqs. 2 to 6); refinement minimizes it
@@ -19,6 +19,7 @@ from toonkit.estimation.color_map_fit import fit_color_map, illumination_interva
 from toonkit.estimation.energy import RefinementOptions
 from toonkit.estimation.inflation import inflate
 from toonkit.estimation.light_fit import LightEstimate, estimate_light
+from toonkit.estimation.preparation import find_materials
 from toonkit.estimation.refinement import refine
 from toonkit.heightfield import HeightField, height_map, height_mesh
 from toonkit.methods import METHODS, analyze
@@ -27,6 +28,7 @@ from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.light import light_angles, light_direction
 from toonkit.model.loading import load_image
+from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination, shade
 from toonkit.relighting import relight
@@ -39,6 +41,7 @@ __all__ = [
     "HeightField",
     "IlluminationInterval",
     "LightEstimate",
+    "Materials",
     "NormalField",
     "RefinementOptions",
     "ToonAnalysis",
@@ -50,6 +53,7 @@ __all__ = [
     "color_rmse",
     "estimate_light",
     "extract_color_map",
+    "find_materials",
     "fit_color_map",
     "height_map",
     "height_mesh",

@@ -106,6 +106,26 @@ def as_mask(argument: str, value: ArrayLike, shape: tuple[int, int] | None = Non
     return mask
 
 
+def as_labels(argument: str, value: ArrayLike, mask: BoolArray) -> NDArray[np.intp]:
+    """Return (H, W) labels that number from 0 on, in the order given, what occurs on a mask; -1 elsewhere."""
+    try:
+        array = np.asarray(value)
+    except ValueError as error:
+        raise refuse(argument, "must be a rectangular array", "rows of different lengths") from error
+    if array.dtype.kind not in "iu":
+        raise refuse(argument, "must be an (H, W) array of integers", f"shape {array.shape}, {array.dtype}")
+    same_shape(argument, array.shape, mask.shape, "the picture")
+    inside = array[mask].astype(np.intp)
+    if inside.min() < -1:
+        raise refuse(argument, "must be numbers from 0 on, or -1 where unknown", int(inside.min()))
+    if inside.max() < 0:
+        raise refuse(argument, "must name a material somewhere on the object", "-1 everywhere")
+    labels = np.full(mask.shape, -1, np.intp)
+    occurring, number = np.unique(inside, return_inverse=True)
+    labels[mask] = number - int(occurring[0] == -1)
+    return labels
+
+
 def as_light(argument: str, value: ArrayLike) -> FloatArray:
     """Return a unit (3,) direction from the surface to a light on the viewer's side of the image plane."""
     light = as_array(argument, value, (3,))

@@ -4,21 +4,27 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from toonkit._validation import FloatArray
-from toonkit.estimation.color_map_fit import allowed_interval
+import numpy as np
+
+from toonkit._validation import FloatArray, refuse
+from toonkit.estimation.color_map_fit import allowed_intervals
 from toonkit.estimation.light_fit import LightEstimate
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
+from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
-from toonkit.model.shading import illumination, shade
+from toonkit.model.shading import illumination
 from toonkit.numerics.report import NOT_REFINED, SolverReport
+
+TEXTURE = 0.15
+"""Color difference, in sRGB, up to which what the model leaves unexplained is texture, which base colors keep."""
 
 
 @dataclass(frozen=True, eq=False)
 class ToonAnalysis:
     """
-    A picture taken apart into a light, normals and a color map: c = M(L · N).
+    A picture taken apart into a light, normals, and materials with a color map each: c = M(L · N), under its ink.
 
     Attributes
     ----------
@@ -32,8 +38,8 @@ class ToonAnalysis:
         Refined normals N.
     initial_normals : NormalField
         Inflated normals N0.
-    color_map : ColorMap
-        M, re-estimated on the refined normals.
+    materials : Materials
+        Which pixels are painted with which color map M, re-estimated on the refined normals.
     report : SolverReport
         How the refinement went; by default, that there was none.
     light_estimate : LightEstimate or None
@@ -47,14 +53,14 @@ class ToonAnalysis:
     light: FloatArray
     normals: NormalField
     initial_normals: NormalField
-    color_map: ColorMap
+    materials: Materials
     report: SolverReport = NOT_REFINED
     light_estimate: LightEstimate | None = None
     drawing: PreparedDrawing = field(kw_only=True, default=None)  # type: ignore[assignment]  # None until __post_init__
 
     def __post_init__(self) -> None:
         if self.drawing is None or self.drawing.image is not self.image:
-            object.__setattr__(self, "drawing", prepare(self.image))
+            object.__setattr__(self, "drawing", prepare(self.image, materials=self.materials.labels))
             object.__setattr__(self, "image", self.drawing.image)
 
     @property
@@ -63,15 +69,50 @@ class ToonAnalysis:
         return illumination(self.normals, self.light)
 
     @property
+    def color_map(self) -> ColorMap:
+        """The only color map; a drawing in several materials has none, and raises ToonkitError."""
+        if self.materials.count > 1:
+            raise refuse(
+                "analysis.color_map",
+                "is that of a drawing in one material; take analysis.materials.color_maps",
+                f"{self.materials.count} materials",
+            )
+        return self.materials.color_maps[0]
+
+    @property
     def picture(self) -> ToonImage:
-        """The input as the model paints it, M(L · N), under the input's line art and with its alpha."""
-        painted = shade(self.normals, self.light, self.color_map)
-        color, ink = painted.color.copy(), self.drawing.line_art
-        if ink is not None:
-            inked = self.drawing.inked_places
-            color[inked] = ink.over(color[inked])
-        return ToonImage(color, self.image.mask, alpha=self.image.alpha)
+        """The input as the model paints it: M(L · N), flat materials in their one tone, ink on top."""
+        value, paint = self.normals.compact @ self.light, self.drawing.paint.copy()
+        for material, color_map in zip(
+            self.drawing.painted_materials, self.materials.color_maps, strict=True
+        ):
+            if material.tones is not None:
+                paint[material.pixels] = color_map(value[material.pixels])
+        return self._composed(paint)
+
+    @property
+    def base_color(self) -> ToonImage:
+        """The drawing without its painted shading: each material in its lit tone, with its texture, ink and alpha."""
+        value, paint = self.normals.compact @ self.light, self.drawing.paint.copy()
+        for material, color_map in zip(
+            self.drawing.painted_materials, self.materials.color_maps, strict=True
+        ):
+            if material.tones is not None:
+                own = material.pixels
+                detail = paint[own] - color_map(value[own])
+                size = np.einsum("pc,pc->p", detail, detail) / TEXTURE**2
+                paint[own] = color_map.colors[-1] + np.maximum(1.0 - size, 0.0)[:, None] * detail
+        return self._composed(np.clip(paint, 0.0, 1.0))
 
     def intervals(self) -> IlluminationInterval:
         """Range of illumination that each pixel's painted color allows, (H, W) bounds, NaN outside the mask."""
-        return self.drawing.interval(allowed_interval(self.drawing.tones, self.color_map))
+        return self.drawing.interval(allowed_intervals(self.drawing, self.materials.color_maps))
+
+    def _composed(self, paint: FloatArray) -> ToonImage:
+        """Put other paint (P, 3) under the drawing's ink, and mix it where the drawing does."""
+        mixed = self.drawing.mixed
+        change = paint[mixed.sources] - self.drawing.paint[mixed.sources]
+        paint[mixed.pixels] = mixed.over(change)
+        color = np.full_like(self.image.color, np.nan)
+        color[self.image.mask] = paint
+        return ToonImage(color, self.image.mask, alpha=self.image.alpha)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from toonkit._validation import BoolArray, FloatArray, as_light, of_type
+from toonkit._validation import BoolArray, FloatArray, is_number, of_type, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.image import ToonImage
+from toonkit.model.light import direction_of
+from toonkit.model.materials import Materials
 from toonkit.numerics.bands import run_in_bands
 
 DETAIL_RANGE = 0.15
@@ -17,8 +19,17 @@ DETAIL_RANGE = 0.15
 DETAIL_SIZE = 0.1
 """Color difference, in sRGB, up to which what the model leaves unexplained is texture; a larger one is a misplaced edge."""
 
+FULL_TURN = np.deg2rad(12.0)
+"""Turn of the light from which on flat materials show all of their derived shading."""
 
-def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool = True) -> ToonImage:
+
+def relight(
+    analysis: ToonAnalysis,
+    new_light: ArrayLike,
+    *,
+    keep_detail: bool = True,
+    flat_shading: float = 1.0,
+) -> ToonImage:
     """
     Put an analyzed picture under a new light.
 
@@ -26,11 +37,13 @@ def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool =
     ----------
     analysis : ToonAnalysis
         The picture taken apart.
-    new_light : array_like, shape (3,)
-        Direction from the surface to the new light.
+    new_light : array_like, shape (3,) or (2,)
+        Direction from the surface to the new light, or its azimuth and elevation in degrees.
     keep_detail : bool, optional
         True keeps what the model does not explain (band edges, brush texture) where the illumination hardly changes, so
         that at the original light the input returns unchanged. False paints the model alone (Eq. 7).
+    flat_shading : float, optional
+        How much materials that are painted in one tone answer to the light, 0 (they stay flat) to 1.
 
     Returns
     -------
@@ -40,62 +53,85 @@ def relight(analysis: ToonAnalysis, new_light: ArrayLike, *, keep_detail: bool =
     Raises
     ------
     ToonkitError
-        If the new light is zero, not finite or from behind, or the analysis is none.
+        If the new light is zero, not finite or from behind, the analysis is none, or the flat shading leaves [0, 1].
 
     Notes
     -----
-    With I = L · N and I' = L' · N the picture is c' = M(I') + w d, where d = c - M(I) is the detail and
+    With I = L · N and I' = L' · N a shaded material becomes c' = M(I') + w d, where d = c - M(I) is the detail and
 
         w = (1 - ((I' - I) / 2r)²)⁴ within 2r, else 0,    r = 0.15 / (1 + |d|² / 0.1²),
 
     nearly the bell exp(-((I' - I) / r)²), but with an end.
     Texture, whose d is small, stays until the light has turned by half a tone. A large d is no texture but a band edge that
     the model put a pixel beside the painted one: it goes at the first turn of the light, or it would stay behind as a
-    scratch where the edge was. Pixels that the object touches without filling them move as the nearest object pixel does.
-    Line art stays as it is drawn: what it covers in part changes for the rest.
+    scratch where the edge was.
+    A flat material of color b becomes c' = c + s (M(I') - b), where s grows from 0 to `flat_shading` as the light turns
+    by `FULL_TURN`: its shadows come in softly.
+    Pixels that the object touches without filling them move as the nearest object pixel does. Line art stays as it is
+    drawn: what it covers in part changes for the rest, and so does what two materials share.
     """
     of_type("analysis", analysis, ToonAnalysis)
-    light = as_light("new_light", new_light)
-    image, color_map, vectors = analysis.image, analysis.color_map, analysis.normals.vectors
-
-    def relit(mask: BoolArray, normals: FloatArray, painted: FloatArray) -> FloatArray:
-        color = np.empty_like(painted)
-        run_in_bands(
-            _paint, mask, normals, painted, analysis.light, light,
-            np.ascontiguousarray(color_map.colors), *color_map.domain, keep_detail, color,
-        )  # fmt: skip
-        return color
-
-    color = relit(image.mask, vectors, image.color)
-    ink = analysis.drawing.line_art
-    if ink is not None:
-        inked = analysis.drawing.inked_places
-        everywhere = np.ones((len(inked[0]), 1), np.bool_)
-        beneath = relit(everywhere, vectors[inked][:, None], ink.beneath[:, None])
-        color[inked] = ink.over(beneath[:, 0])
+    light = direction_of("new_light", new_light)
+    if not is_number(flat_shading) or not 0 <= flat_shading <= 1:
+        raise refuse("flat_shading", "must be a number from 0 to 1", flat_shading)
+    image, drawing, materials = analysis.image, analysis.drawing, analysis.materials
+    strength = flat_shading * (turn_share(analysis.light, light) if keep_detail else 1.0)
+    color = np.empty_like(image.color)
+    run_in_bands(
+        _paint, materials.labels, analysis.normals.vectors, image.color, analysis.light, light,
+        *_stacked(materials), strength, keep_detail, color,
+    )  # fmt: skip
+    mixed = drawing.mixed
+    sources = drawing.places(mixed.sources)
+    color[drawing.places(mixed.pixels)] = mixed.over(color[sources] - image.color[sources])
     fringe = color[image.fringe_sources]
     if keep_detail:
         fringe = np.clip(fringe + image.fringe_colors - image.color[image.fringe_sources], 0.0, 1.0)
     return ToonImage.like(image, color, fringe)
 
 
+def turn_share(light: FloatArray, new_light: FloatArray) -> float:
+    """How far one light is from another, as a share of `FULL_TURN`, rising smoothly from 0 to 1."""
+    angle = float(np.arctan2(np.linalg.norm(np.cross(light, new_light)), light @ new_light))
+    share = min(angle / FULL_TURN, 1.0)
+    return float(share * share * (3.0 - 2.0 * share))
+
+
+def _stacked(materials: Materials) -> tuple[FloatArray, NDArray[np.intp], FloatArray, BoolArray, FloatArray]:
+    """Put all color maps into one array (K, 3), with the first sample of each, their domains, and what makes them flat."""
+    maps = materials.color_maps
+    first = np.cumsum([0, *(len(color_map.colors) for color_map in maps)])
+    colors = np.ascontiguousarray(np.concatenate([color_map.colors for color_map in maps]))
+    domains = np.array([color_map.domain for color_map in maps])
+    return colors, first, domains, materials.flat, materials.base_tones
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def _paint(  # type: ignore[no-untyped-def]
-    mask, normals, painted, light, new_light, colors, low, high, keep_detail, color, first, last
-):
+    labels, normals, painted, light, new_light, colors, starts, domains, flat, base, strength, keep_detail, color,
+    first, last,
+):  # fmt: skip
     """Paint the rows from first to last; NaN where there is no object."""
     lx, ly, lz = light
     x, y, z = new_light
     for row in range(first, last):
-        for column in range(mask.shape[1]):
-            if not mask[row, column]:
+        for column in range(labels.shape[1]):
+            which = labels[row, column]
+            if which < 0:
                 color[row, column, 0] = color[row, column, 1] = color[row, column, 2] = np.nan
                 continue
+            ramp = colors[starts[which] : starts[which + 1]]
+            low, high = domains[which, 0], domains[which, 1]
             n0, n1, n2 = normals[row, column, 0], normals[row, column, 1], normals[row, column, 2]
             was, now = lx * n0 + ly * n1 + lz * n2, x * n0 + y * n1 + z * n2
-            red, green, blue = _mapped(colors, low, high, now)
-            if keep_detail and abs(now - was) < 2.0 * DETAIL_RANGE:  # farther off nothing is kept
-                was_red, was_green, was_blue = _mapped(colors, low, high, was)
+            red, green, blue = _mapped(ramp, low, high, now)
+            if flat[which]:
+                start = painted[row, column] if keep_detail else base[which]
+                red = min(max(start[0] + strength * (red - base[which, 0]), 0.0), 1.0)
+                green = min(max(start[1] + strength * (green - base[which, 1]), 0.0), 1.0)
+                blue = min(max(start[2] + strength * (blue - base[which, 2]), 0.0), 1.0)
+            elif keep_detail and abs(now - was) < 2.0 * DETAIL_RANGE:  # farther off nothing is kept
+                was_red, was_green, was_blue = _mapped(ramp, low, high, was)
                 more_red = painted[row, column, 0] - was_red
                 more_green = painted[row, column, 1] - was_green
                 more_blue = painted[row, column, 2] - was_blue

@@ -163,7 +163,7 @@ def test_the_sides_of_a_drawn_line_are_neighbors_of_each_other():
     paint = np.where(x < 0, 0.3, 0.9)
     ink = (away > 40) | (np.abs(x) < 1.5)
     image = ToonImage(np.where(ink, 0.0, paint)[..., None].repeat(3, 2), away < 43)
-    assert prepare(image).line_art is not None
+    assert prepare(image).ink.coverage.any()
     grid, links = links_of(image, banded(0.3, 0.5, 0.9))
     rows, columns = prepare(image).box
     middle = grid.rows + rows.start == size // 2

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from toonkit import ColorMap, NormalField, ToonAnalysis, ToonImage, light_direction, shade
+from toonkit import ColorMap, Materials, NormalField, ToonAnalysis, ToonImage, light_direction, shade
 from toonkit.numerics.report import SolverReport
 
 SIZE = 48
@@ -33,6 +33,6 @@ def analysis():
         light=light,
         normals=normals,
         initial_normals=initial,
-        color_map=color_map,
+        materials=Materials.single(mask, color_map),
         report=SolverReport(12, np.array([3.5, 1.25, 1.2]), "nothing was left to gain", converged=True),
     )

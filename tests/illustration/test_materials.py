@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -22,20 +23,17 @@ from tests.illustration.drawings import (
     agreement,
     same_partition,
 )
-from toonkit import inflate
-from toonkit.illustration.ink import find_ink
-from toonkit.illustration.materials import Materials, label_materials
+from toonkit import Materials, ToonImage, find_materials
+from toonkit.estimation.preparation import prepare
 from toonkit.study.color_maps import load_color_maps
 
 BODY = Ball(48, 48, 42, RED)
 LEFT, RIGHT = Ball(48, 32, 28, GREEN), Ball(50, 66, 24, SKIN)
 
 
-def found(drawn: Drawn, *, light: object = LIGHT) -> Materials:
-    """Take a drawing apart as an analysis does."""
-    ink = find_ink(drawn.color, drawn.mask)
-    normals = inflate(drawn.mask).vectors
-    return label_materials(drawn.color, drawn.mask, coverage=ink.coverage, normals=normals, light=light)
+def found(drawn: Drawn) -> Materials:
+    """Find the materials of a drawing."""
+    return find_materials(ToonImage(drawn.color, drawn.mask))
 
 
 def agrees(drawn: Drawn, materials: Materials) -> float:
@@ -67,8 +65,7 @@ def test_a_ball_in_one_material_is_one_however_its_hue_turns(name: str) -> None:
     drawn = canvas.drawn()
     color = np.zeros_like(drawn.color)
     color[drawn.mask] = load_color_maps()[name]((drawn.normals @ LIGHT)[drawn.mask])
-    for light in (LIGHT, None):
-        assert found(Drawn(color, drawn.mask, drawn.label, drawn.ink, drawn.normals), light=light).count == 1
+    assert found(Drawn(color, drawn.mask, drawn.label, drawn.ink, drawn.normals)).count == 1
 
 
 def test_tones_are_the_painted_colors_darkest_first() -> None:
@@ -239,10 +236,8 @@ def test_a_turned_or_mirrored_drawing_has_turned_or_mirrored_materials(turns: in
         values = np.rot90(values, turns)
         return (values[:, ::-1] if mirrored else values).copy()
 
-    there = found(
-        Drawn(*map(moved, (drawn.color, drawn.mask, drawn.label, drawn.ink, drawn.normals))), light=None
-    )
-    here = moved(found(drawn, light=None).labels)
+    there = found(Drawn(*map(moved, (drawn.color, drawn.mask, drawn.label, drawn.ink, drawn.normals))))
+    here = moved(found(drawn).labels)
     assert same_partition(there.labels[moved(drawn.mask)], here[moved(drawn.mask)])
 
 
@@ -260,11 +255,12 @@ def test_padding_changes_nothing() -> None:
 
 def test_a_drawing_of_one_flat_color_is_one_material() -> None:
     color = np.full((20, 20, 3), 0.5)
-    materials = label_materials(color, np.ones((20, 20), bool))
+    materials = find_materials(ToonImage(color, np.ones((20, 20), bool)))
     assert materials.count == 1
     np.testing.assert_allclose(materials.tones[0], [[0.5, 0.5, 0.5]], atol=1e-6)
 
 
 def test_nothing_but_ink_is_one_material() -> None:
-    color, mask = np.full((20, 20, 3), 0.1), np.ones((20, 20), bool)
-    assert label_materials(color, mask, coverage=np.ones((20, 20))).count == 1
+    drawing = prepare(ToonImage(np.full((20, 20, 3), 0.1), np.ones((20, 20), bool)))
+    drawing.ink = replace(drawing.ink, coverage=drawing.ink.coverage + 1)
+    assert drawing.materials.count == 1

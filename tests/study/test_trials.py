@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import toonkit
-from toonkit import NormalField, ToonAnalysis, ToonImage
+from toonkit import Materials, NormalField, ToonAnalysis, ToonImage
 from toonkit.numerics.report import SolverReport
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.contestants import FLAT, Contestant, contestants
@@ -30,7 +30,9 @@ def answering(painting: Painting, normals: NormalField | None = None) -> Contest
     def analyze(image, light, *, progress=None):
         told = painting.truth.normals if normals is None else normals
         report = SolverReport(3, np.zeros(0), "it knew", converged=True)
-        return ToonAnalysis(image, "test", light, told, told, painting.color_map, report)
+        return ToonAnalysis(
+            image, "test", light, told, told, Materials.single(image.mask, painting.color_map), report
+        )
 
     return Contestant(analyze)
 

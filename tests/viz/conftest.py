@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import distance_transform_edt
 
-from toonkit import ColorMap, NormalField, ToonAnalysis, ToonImage, illumination, light_direction
+from toonkit import ColorMap, Materials, NormalField, ToonAnalysis, ToonImage, illumination, light_direction
 from toonkit.numerics.report import SolverReport
 
 
@@ -36,7 +36,7 @@ def painted_ball(size=120, seed=1):
         light=light,
         normals=normals,
         initial_normals=normals,
-        color_map=ramp,
+        materials=Materials.single(mask, ramp),
         report=report,
     )
 

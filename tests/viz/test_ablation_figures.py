@@ -10,7 +10,7 @@ from matplotlib.colors import to_hex
 
 import toonkit
 from tests.viz.test_study_figures import FONTS, texts_off_the_page
-from toonkit import ToonkitError
+from toonkit import Materials, ToonkitError
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.rendering import render_shape
 from toonkit.study.shapes import SHAPES
@@ -79,7 +79,9 @@ def stages():
         truth,
         color_map,
         [
-            toonkit.ToonAnalysis(image, name, LIGHT, normals, normals, color_map)
+            toonkit.ToonAnalysis(
+                image, name, LIGHT, normals, normals, Materials.single(image.mask, color_map)
+            )
             for name, normals in named.items()
         ],
     )

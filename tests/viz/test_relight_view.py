@@ -9,7 +9,6 @@ import panel as pn
 import pytest
 
 from toonkit import light_direction, relight
-from toonkit.estimation.preparation import prepare
 from toonkit.viz.relight_page.view import RelightView
 
 REMEMBER_PIXELS = """
@@ -36,7 +35,7 @@ SET = """([light, detail]) => {
 @pytest.fixture(scope="module", params=["ball", "inked_ball"])
 def ball(request):
     analysis = request.getfixturevalue(request.param)
-    assert (prepare(analysis.image).line_art is not None) == (request.param == "inked_ball")
+    assert analysis.drawing.ink.coverage.any() == (request.param == "inked_ball")
     return analysis
 
 

@@ -188,7 +188,7 @@ def _analyze(arguments: argparse.Namespace) -> int:
 
 
 def _summarize(analysis: ToonAnalysis, drawing: str, folder: Path, notes: dict[str, Any]) -> None:
-    from toonkit.export.report import line_art_share  # noqa: PLC0415
+    from toonkit.export.report import ink_share  # noqa: PLC0415
     from toonkit.model.light import light_angles  # noqa: PLC0415
 
     azimuth, elevation = light_angles(analysis.light)
@@ -200,7 +200,7 @@ def _summarize(analysis: ToonAnalysis, drawing: str, folder: Path, notes: dict[s
     print(f"light: azimuth {round(azimuth) % 360}°, elevation {elevation:.0f}° ({source})")
     if notes["light_confidence"] is not None and notes["light_confidence"] < UNSURE:
         print("       this light is a guess; if you know where it was, say so with --light AZ,EL")
-    if (share := line_art_share(analysis.drawing)) > 0:
+    if (share := ink_share(analysis.drawing)) > 0:
         print(f"line art: {100 * share:.1f} % of the drawing, which stays as drawn")
     print(f"written to {folder}:")
 

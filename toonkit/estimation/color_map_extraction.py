@@ -60,7 +60,7 @@ def extract_color_map(image: ToonImage | PreparedDrawing, stroke: ArrayLike) -> 
         raise refuse("stroke", f"must pass over at least {MIN_STROKE} object pixels", int(touched.sum()))
     filled = touched & (drawing.alpha >= 1)
     chosen = filled if filled.sum() >= MIN_STROKE else touched
-    colors = drawing.paint[chosen[drawing.mask]]
+    colors = drawing.without_ink[chosen[drawing.mask]]
     ordered = srgb_to_linear(colors[np.argsort(tone(colors), kind="stable")])
     # Means of runs of ranks, of light: the mean of brighter colors is never darker.
     runs = np.array_split(ordered, min(len(ordered), SAMPLES))

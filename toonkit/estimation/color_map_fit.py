@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from toonkit._validation import FloatArray, as_array, of_type, refuse, same_shape
 from toonkit.estimation.painted_tones import PaintedTones
 from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.illustration.flat_shading import derived_shadow
 from toonkit.model.color_map import HALF_STEP, ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.luminance import linear_to_srgb
@@ -15,6 +18,10 @@ from toonkit.numerics.bands import run_in_pieces
 
 SAMPLES = 1024
 """Samples of a fitted map: a hard step between two bands is blurred over 1/500 of illumination at most."""
+
+TYPICAL = (0.03, 0.97)
+"""Shares of a material's pixels, from dark to bright, at which its color map ends. Where materials meet, some colors are
+neither's: what is left of a line, a highlight, a mixture. A map that ended in them would spread them."""
 
 
 def fit_color_map(image: ToonImage | PreparedDrawing, illumination: ArrayLike) -> ColorMap:
@@ -85,6 +92,60 @@ def illumination_interval(image: ToonImage | PreparedDrawing, color_map: ColorMa
     drawing = prepare(image)
     of_type("color_map", color_map, ColorMap)
     return drawing.interval(allowed_interval(drawing.tones, color_map))
+
+
+def fit_materials(drawing: PreparedDrawing, illumination: FloatArray) -> tuple[ColorMap, ...]:
+    """
+    Fit the color map of every material to the illumination (P,) of its own pixels; derive those of the flat ones.
+
+    See `fit_color_map` for the former, and `toonkit.illustration.flat_shading` for the latter.
+    """
+    materials = drawing.painted_materials
+    trim = len(materials) > 1
+    fitted = [
+        None if material.tones is None else _fitted(material.tones, illumination[material.pixels], trim=trim)
+        for material in materials
+    ]
+    labels = drawing.materials.labels
+    areas = np.bincount(labels[drawing.mask], minlength=len(fitted)) / drawing.grid.size
+    shaded = [color_map for color_map in fitted if color_map is not None]
+    shadow = derived_shadow(shaded, areas[[color_map is not None for color_map in fitted]])
+    return tuple(
+        shadow.color_map(base) if color_map is None else color_map
+        for color_map, base in zip(fitted, drawing.materials.base_tones, strict=True)
+    )
+
+
+def _fitted(tones: PaintedTones, illumination: FloatArray, *, trim: bool) -> ColorMap:
+    """Fit one material, if asked with both ends of its map replaced by the colors at `TYPICAL` shares of its pixels."""
+    color_map = rank_matched(tones, illumination)
+    if not trim:
+        return color_map
+    ends = np.quantile(illumination, TYPICAL)
+    return ColorMap(color_map(np.clip(color_map.illumination, *ends)), color_map.domain)
+
+
+def allowed_intervals(drawing: PreparedDrawing, color_maps: Sequence[ColorMap]) -> IlluminationInterval:
+    """Range of illumination (P,) that each pixel allows, given its material's color map; all of it where that is flat."""
+    lower, upper = np.full(drawing.grid.size, -1.0), np.full(drawing.grid.size, 1.0)
+    for material, color_map in zip(drawing.painted_materials, color_maps, strict=True):
+        if material.tones is not None:
+            allowed = allowed_interval(material.tones, color_map)
+            lower[material.pixels], upper[material.pixels] = allowed.lower, allowed.upper
+    return IlluminationInterval(lower, upper)
+
+
+def painted_intervals(
+    drawing: PreparedDrawing, color_maps: Sequence[ColorMap], allowed: IlluminationInterval
+) -> IlluminationInterval:
+    """Narrow what `allowed_intervals` returned to what the nearer one of the bands that each pixel mixes allows."""
+    lower, upper = allowed.lower.copy(), allowed.upper.copy()
+    for material, color_map in zip(drawing.painted_materials, color_maps, strict=True):
+        if material.tones is not None:
+            own = IlluminationInterval(lower[material.pixels], upper[material.pixels])
+            narrow = painted_interval(material.tones, color_map, own)
+            lower[material.pixels], upper[material.pixels] = narrow.lower, narrow.upper
+    return IlluminationInterval(lower, upper)
 
 
 def rank_matched(tones: PaintedTones, illumination: FloatArray) -> ColorMap:

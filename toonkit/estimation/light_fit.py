@@ -12,7 +12,6 @@ from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.estimation.shape_prior import misfit
 from toonkit.model.image import ToonImage
 from toonkit.model.light import light_direction
-from toonkit.model.luminance import luminance
 from toonkit.model.normals import NormalField
 from toonkit.numerics.bands import single_threaded_blas
 
@@ -94,8 +93,9 @@ def estimate_light(
     drawing = prepare(image)
     if initial_normals is not None:
         same_mask("initial_normals", initial_normals.mask, drawing.image.mask, "the picture")
-    shades = luminance(drawing.paint)
-    if float(np.var(shades)) < 1e-10:
+    shaded = drawing.gray.hidden == 0
+    shades = drawing.gray.tone[shaded]
+    if shades.size == 0 or float(np.var(shades)) < 1e-10:
         return LightEstimate(light_direction(0.0, 90.0), 0.0)
     normals = drawing.initial_normals if initial_normals is None else initial_normals
     with single_threaded_blas():
@@ -103,7 +103,7 @@ def estimate_light(
     azimuth = np.rad2deg(np.arctan2(belief.light[1], belief.light[0]))
     elevation = np.rad2deg(np.arcsin(np.clip(belief.light[2], -1.0, 1.0)))
     light = light_direction(float(azimuth), float(max(elevation, LOWEST_ELEVATION)))
-    share = _explained_share(normals.compact @ light, shades)
+    share = _explained_share(normals.compact[shaded] @ light, shades)
     return LightEstimate(light, belief.probability_within(CLOSE) * min(share / PLAUSIBLE, 1.0))
 
 

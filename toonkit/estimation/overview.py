@@ -106,7 +106,7 @@ def reduce_paint(grid: MaskedGrid, light: FloatArray, tones: FloatArray, inked: 
     reduced = MaskedGrid(mask)
     if steps:
         mean = (_block_sums(steps, light) / area[:, None])[filled]
-        tones = PaintedTones.between(mean, linear_to_srgb(mean @ REC709), reduced).plain
+        tones = PaintedTones.between(mean, linear_to_srgb(mean @ REC709), reduced.rows, reduced.columns).plain
     ink = (2 * _block_sums(steps, inked) >= area)[filled]
     return ReducedPaint(reduced, steps, filled, tones, ink)
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.model.luminance import REC709, linear_to_srgb, srgb_to_linear
 from toonkit.numerics.bands import run_in_bands, run_in_pieces
-from toonkit.numerics.masked_grid import MaskedGrid
+from toonkit.numerics.masked_grid import IndexArray
 
 FLAT = 2.5 / 255
 """Colors of one band differ by less than this: rounding, and a compressor's noise."""
@@ -83,14 +83,16 @@ class PaintedTones:
     noise: float
 
     @classmethod
-    def of(cls, colors: FloatArray, grid: MaskedGrid) -> PaintedTones:
-        """Read the colors (P, 3), sRGB in [0, 1], of a grid's pixels."""
-        return cls.between(*decoded(colors), grid)
+    def of(cls, colors: FloatArray, rows: IndexArray, columns: IndexArray) -> PaintedTones:
+        """Read the colors (P, 3), sRGB in [0, 1], of pixels at some rows and columns (P,)."""
+        return cls.between(*decoded(colors), rows, columns)
 
     @classmethod
-    def between(cls, light: FloatArray, tone: FloatArray, grid: MaskedGrid) -> PaintedTones:
-        """Tell mixtures among the colors that have been decoded; see `of`."""
-        rows, columns = grid.rows - grid.rows.min(), grid.columns - grid.columns.min()
+    def between(
+        cls, light: FloatArray, tone: FloatArray, rows: IndexArray, columns: IndexArray
+    ) -> PaintedTones:
+        """Tell mixtures among colors that have been decoded; see `of`."""
+        rows, columns = rows - rows.min(), columns - columns.min()
         reach = MIXING_REACH
         framed = np.full((rows.max() + 1 + 2 * reach, columns.max() + 1 + 2 * reach), np.nan)
         place = (rows + reach) * framed.shape[1] + columns + reach
@@ -105,7 +107,7 @@ class PaintedTones:
         mixed, own, darker, brighter = doubtful[between], own[between], darker[between], brighter[between]
         plain, darkest, brightest = tone.copy(), tone.copy(), tone.copy()
         plain[mixed] = np.where(own - darker < brighter - own, darker, brighter)
-        pure = np.ones(grid.size, np.bool_)
+        pure = np.ones(len(tone), np.bool_)
         pure[mixed] = False
         darkest[mixed], brightest[mixed] = _extremes(framed, place, pure, mixed)
         return cls(light, tone, plain, darkest, brightest, _noise(framed))

@@ -1,21 +1,26 @@
-"""A prepared drawing: islands, ink, tones and the inflated shape (Section 3.1), derived once for every step that follows."""
+"""A prepared drawing: islands, ink, materials and the inflated shape (Section 3.1), derived once for all that follows."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from toonkit._validation import BoolArray, FloatArray, of_type, refuse
+from toonkit._validation import BoolArray, FloatArray, as_labels, of_type, refuse
 from toonkit.estimation.inflation import inflate_islands
-from toonkit.estimation.islands import Island, find_islands, rim_pixels, with_surroundings
-from toonkit.estimation.line_art import LineArt, find_line_art
+from toonkit.estimation.islands import Island, find_islands, with_surroundings
 from toonkit.estimation.overview import ReducedPaint, reduce_paint
-from toonkit.estimation.painted_tones import PaintedTones, decoded
-from toonkit.estimation.silhouette import cut_sides
+from toonkit.estimation.painted_tones import PaintedTones
+from toonkit.estimation.shading_ratio import GrayPaint, PaintedMaterial, gray_paint
+from toonkit.illustration.frame import Frame
+from toonkit.illustration.ink import Ink, find_ink
+from toonkit.illustration.materials import FoundMaterials, label_materials, shows_one_ramp
+from toonkit.illustration.mixed_pixels import MixedPixels, mixtures
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.image import ToonImage
+from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 from toonkit.numerics.masked_grid import MaskedGrid, bounding_box
 
@@ -39,14 +44,16 @@ class PreparedDrawing:
     ----------
     image : ToonImage
         The drawing.
+    materials : array_like of int, shape (H, W), optional
+        Its materials, if somebody knows them: see `prepare`.
 
     Raises
     ------
     ToonkitError
-        If the object has more than `MOST_PIXELS` pixels.
+        If the object has more than `MOST_PIXELS` pixels, or the materials are none.
     """
 
-    def __init__(self, image: ToonImage) -> None:
+    def __init__(self, image: ToonImage, materials: ArrayLike | None = None) -> None:
         pixels = int(np.count_nonzero(image.mask))
         if pixels > MOST_PIXELS:
             raise refuse(
@@ -56,6 +63,7 @@ class PreparedDrawing:
             )
         self.image = image
         self.box = bounding_box(image.mask)
+        self._given_labels = None if materials is None else as_labels("materials", materials, image.mask)
 
     @property
     def mask(self) -> BoolArray:
@@ -88,35 +96,70 @@ class PreparedDrawing:
         return find_islands(self.grid, self._coverage)
 
     @cached_property
-    def line_art(self) -> LineArt | None:
-        """The ink, if there is any."""
-        return find_line_art(
-            self._colors,
-            self._decoded[1],
-            self.grid,
-            rim=rim_pixels(self.islands, self.grid.size),
-            cut=cut_sides(self.grid.mask, self._coverage),
-            area=max(island.grid.size for island in self.islands),
-        )
+    def ink(self) -> Ink:
+        """The lines over the paint, on the object's frame. What one shaded material explains without any has none."""
+        ink = find_ink(self._frame)
+        if ink.coverage.any() and not ink.outlined and shows_one_ramp(self._frame, self._framed_normals):
+            return replace(ink, coverage=np.zeros_like(ink.coverage), only_lines=False)
+        return ink
 
     @property
-    def inked_places(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Row and column, in the picture, of each pixel that the ink touches."""
-        pixels = np.zeros(0, np.intp) if self.line_art is None else self.line_art.pixels
+    def ink_coverage(self) -> FloatArray:
+        """How much of each pixel is ink, shape (H, W), 0 outside the mask."""
+        coverage = np.zeros(self.shape)
+        coverage[self.box] = self._frame.inner(self.ink.coverage)
+        return coverage
+
+    @cached_property
+    def materials(self) -> Materials:
+        """The materials, without color maps."""
+        found = self._found
+        labels = np.full(self.shape, -1, np.intp)
+        labels[self.box] = np.where(self.grid.mask, self._frame.inner(found.labels), -1)
+        return Materials(labels, found.tones, found.flat)
+
+    @cached_property
+    def mixed(self) -> MixedPixels:
+        """The pixels that show ink, or the paint of two materials."""
+        frame, found = self._frame, self._found
+        return mixtures(frame.color, self.ink.coverage, found.labels, found.sources, frame.mask)
+
+    def places(self, pixels: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Row and column, in the picture, of some of the object's pixels."""
         rows, columns = self.box
         return self.grid.rows[pixels] + rows.start, self.grid.columns[pixels] + columns.start
 
-    @property
+    @cached_property
     def paint(self) -> FloatArray:
-        """The colors without the ink, sRGB, shape (P, 3)."""
-        return self._colors if self.line_art is None else self.line_art.removed(self._colors)
+        """The colors without ink and mixtures of materials, sRGB, shape (P, 3)."""
+        paint = self.grid.gather(self.image.color[self.box])
+        paint[self.mixed.pixels] = paint[self.mixed.sources[:, 0]]
+        return paint
+
+    @property
+    def without_ink(self) -> FloatArray:
+        """The colors without ink, sRGB, shape (P, 3)."""
+        inked = self._frame.compact(self.ink.coverage) > 0
+        return np.where(inked[:, None], self.paint, self.grid.gather(self.image.color[self.box]))
 
     @cached_property
     def tones(self) -> PaintedTones:
-        """The tones of the paint, without the ink."""
-        if self.line_art is None:
-            return PaintedTones.between(*self._decoded, self.grid)
-        return PaintedTones.of(self.paint, self.grid)
+        """The tones of the paint, as if it were one material."""
+        return PaintedTones.of(self.paint, self.grid.rows, self.grid.columns)
+
+    @cached_property
+    def painted_materials(self) -> tuple[PaintedMaterial, ...]:
+        """The tones of each material."""
+        found = self._found
+        if len(found.tones) == 1:
+            return (PaintedMaterial(slice(None), None if found.flat[0] else self.tones),)
+        labels, materials = self._frame.compact(found.labels), []
+        for number, flat in enumerate(found.flat):
+            pixels = np.flatnonzero(labels == number).astype(np.int32)
+            place = self.grid.rows[pixels], self.grid.columns[pixels]
+            tones = None if flat else PaintedTones.of(self.paint[pixels], *place)
+            materials.append(PaintedMaterial(pixels, tones))
+        return tuple(materials)
 
     @cached_property
     def initial_normals(self) -> NormalField:
@@ -124,17 +167,20 @@ class PreparedDrawing:
         return NormalField.of_pixels(inflate_islands(self.islands), self.image.mask)
 
     @cached_property
+    def gray(self) -> GrayPaint:
+        """The shading that the paint shows, whatever its material."""
+        return gray_paint(self.painted_materials, self.grid, self._frame.compact(self.ink.coverage) > 0)
+
+    @cached_property
     def reduced_paint(self) -> tuple[ReducedPaint, ...]:
         """Each island's tones and ink at about the resolution that the networks see."""
-        inked = np.zeros(self.grid.size)
-        if self.line_art is not None:
-            inked[self.line_art.pixels] = 1.0
+        gray = self.gray
         return tuple(
             reduce_paint(
                 island.grid,
-                self.tones.light[island.pixels],
-                self.tones.plain[island.pixels],
-                inked[island.pixels],
+                gray.light[island.pixels],
+                gray.tone[island.pixels],
+                gray.hidden[island.pixels],
             )
             for island in self.islands
         )
@@ -156,23 +202,33 @@ class PreparedDrawing:
     def _coverage(self) -> FloatArray:
         return with_surroundings(self.image.alpha, self.box)
 
+    @cached_property
+    def _frame(self) -> Frame:
+        return Frame.around(self.image.color[self.box], self.grid.mask)
+
     @property
-    def _colors(self) -> FloatArray:
-        return self.grid.gather(self.image.color[self.box])
+    def _framed_normals(self) -> FloatArray:
+        return self._frame.cut(self.initial_normals.vectors[self.box])
 
     @cached_property
-    def _decoded(self) -> tuple[FloatArray, FloatArray]:
-        return decoded(self._colors)
+    def _found(self) -> FoundMaterials:
+        labels = None
+        if self._given_labels is not None:
+            labels = self._frame.cut(self._given_labels[self.box])
+        return label_materials(self._frame, self.ink.coverage, normals=self._framed_normals, labels=labels)
 
 
-def prepare(drawing: ToonImage | PreparedDrawing) -> PreparedDrawing:
+def prepare(drawing: ToonImage | PreparedDrawing, *, materials: ArrayLike | None = None) -> PreparedDrawing:
     """
     Prepare a drawing for analysis.
 
     Parameters
     ----------
     drawing : ToonImage or PreparedDrawing
-        The drawing; one that is prepared returns as it is.
+        The drawing; one that is prepared returns as it is, unless other materials are given.
+    materials : array_like of int, shape (H, W), optional
+        Number of the material of each pixel, 0 and up, and -1 where that is left to toonkit; ignored outside the mask.
+        Found if not given.
 
     Returns
     -------
@@ -182,9 +238,38 @@ def prepare(drawing: ToonImage | PreparedDrawing) -> PreparedDrawing:
     Raises
     ------
     ToonkitError
-        If the drawing is neither, or its object has more than `MOST_PIXELS` pixels.
+        If the drawing is neither, its object has more than `MOST_PIXELS` pixels, or the materials are no such numbers.
     """
     if isinstance(drawing, PreparedDrawing):
-        return drawing
+        return drawing if materials is None else PreparedDrawing(drawing.image, materials)
     of_type("image", drawing, ToonImage)
-    return PreparedDrawing(drawing)
+    return PreparedDrawing(drawing, materials)
+
+
+def find_materials(image: ToonImage | PreparedDrawing) -> Materials:
+    """
+    Find which parts of a drawing are painted with the same ramp of colors.
+
+    Parameters
+    ----------
+    image : ToonImage or PreparedDrawing
+        The drawing.
+
+    Returns
+    -------
+    Materials
+        Labels and tones, without color maps; at least one material.
+
+    Raises
+    ------
+    ToonkitError
+        If the image is not a `ToonImage`.
+
+    Examples
+    --------
+    >>> color = np.full((32, 32, 3), (0.8, 0.2, 0.2))
+    >>> color[:, 16:] = (0.2, 0.3, 0.8)
+    >>> find_materials(ToonImage(color, np.ones((32, 32), bool))).count
+    2
+    """
+    return prepare(image).materials

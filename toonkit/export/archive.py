@@ -16,10 +16,11 @@ from toonkit.estimation.light_fit import LightEstimate
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
+from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 from toonkit.numerics.report import SolverReport
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 """Raised whenever an older toonkit could misread a newer archive."""
 
 # What numpy raises for a file that is cut off, altered, a bare .npy array (no context manager) or pickled.
@@ -56,8 +57,7 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
         "fringe": image.fringe[touched],
         "normals": analysis.normals.compact,
         "initial_normals": analysis.initial_normals.compact,
-        "color_map_colors": analysis.color_map.colors,
-        "color_map_domain": np.array(analysis.color_map.domain),
+        **_material_fields(analysis),
         "light_confidence": np.array(np.nan if estimate is None else estimate.confidence),
         "report_iterations": np.array(report.iterations),
         "report_energies": np.asarray(report.energies),
@@ -126,7 +126,7 @@ def _assemble(fields: dict[str, NDArray[Any]]) -> ToonAnalysis:
         light=fields["light"],
         normals=NormalField(_spread(fields["normals"], mask), mask),
         initial_normals=NormalField(_spread(fields["initial_normals"], mask), mask),
-        color_map=ColorMap(fields["color_map_colors"], tuple(fields["color_map_domain"].tolist())),
+        materials=_materials(fields, mask),
         report=SolverReport(
             iterations=int(fields["report_iterations"]),
             energies=fields["report_energies"],
@@ -135,6 +135,38 @@ def _assemble(fields: dict[str, NDArray[Any]]) -> ToonAnalysis:
         ),
         light_estimate=None if np.isnan(confidence) else LightEstimate(fields["light"], confidence),
     )
+
+
+def _material_fields(analysis: ToonAnalysis) -> dict[str, NDArray[Any]]:
+    materials = analysis.materials
+    return {
+        "material_labels": materials.labels[analysis.image.mask].astype(np.int32),
+        "material_flat": materials.flat,
+        "material_tones": np.concatenate(materials.tones),
+        "material_tone_counts": np.array([len(tones) for tones in materials.tones]),
+        "color_map_colors": np.concatenate([color_map.colors for color_map in materials.color_maps]),
+        "color_map_counts": np.array([len(color_map.colors) for color_map in materials.color_maps]),
+        "color_map_domains": np.array([color_map.domain for color_map in materials.color_maps]),
+    }
+
+
+def _materials(fields: dict[str, NDArray[Any]], mask: BoolArray) -> Materials:
+    labels = np.full(mask.shape, -1, np.intp)
+    labels[mask] = fields["material_labels"]
+    tones = _split(fields["material_tones"], fields["material_tone_counts"])
+    colors = _split(fields["color_map_colors"], fields["color_map_counts"])
+    domains = fields["color_map_domains"].tolist()
+    return Materials(
+        labels,
+        tuple(tones),
+        fields["material_flat"],
+        tuple(ColorMap(samples, tuple(domain)) for samples, domain in zip(colors, domains, strict=True)),
+    )
+
+
+def _split(values: NDArray[Any], counts: NDArray[Any]) -> list[NDArray[Any]]:
+    """Cut rows (n, ...) into runs of some lengths."""
+    return np.split(values, np.cumsum(counts)[:-1])
 
 
 def _spread(values: FloatArray, where: BoolArray) -> FloatArray:

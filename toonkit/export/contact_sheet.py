@@ -88,7 +88,7 @@ def contact_sheet(
     for light in checked:
         relit = relight(analysis, light, keep_detail=keep_detail)
         tiles.append(_Tile(_cropped(analysis, relit.to_rgba()), "relit", _angles(light), light))
-    return _sheet(tiles, analysis.color_map)
+    return _sheet(tiles, analysis.materials.color_maps[0])
 
 
 def _input_tile(analysis: ToonAnalysis) -> _Tile:

@@ -78,7 +78,7 @@ def write_analysis_folder(
     """
     target = make_folder(folder)
     report = {**analysis_report(analysis), **(notes or {})}
-    normals, color_map = analysis.normals, analysis.color_map
+    normals, color_map = analysis.normals, analysis.materials.color_maps[0]
     writers: dict[str, tuple[str, Callable[[Path], None]]] = {
         ARCHIVE_NAME: ("the whole analysis, to be relit", lambda path: save_analysis(analysis, path)),
         "input.png": ("the drawing as analyzed, cut out", lambda path: write_picture(analysis.image, path)),

@@ -13,6 +13,7 @@ from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.model.image import ToonImage
 from toonkit.model.light import light_angles
+from toonkit.model.luminance import hex_color
 
 
 def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
@@ -27,8 +28,8 @@ def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
     Returns
     -------
     dict
-        "versions", "method", "light" (unit vector, degrees), "picture" (pixels; share of the object that is line art),
-        "color_map" and "solver" (iterations, energies, why it stopped).
+        "versions", "method", "light" (unit vector, degrees), "picture" (pixels; share of the object that is ink),
+        "materials" (share of the object, tones, color map of each) and "solver" (iterations, energies, why it stopped).
     """
     import toonkit  # noqa: PLC0415  # at call time, because the package's own __init__ stands above this module
 
@@ -50,12 +51,9 @@ def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
             "width": width,
             "height": height,
             "mask_pixels": int(analysis.image.mask.sum()),
-            "line_art_share": line_art_share(analysis.drawing),
+            "ink_share": ink_share(analysis.drawing),
         },
-        "color_map": {
-            "samples": len(analysis.color_map.colors),
-            "domain": list(analysis.color_map.domain),
-        },
+        "materials": _materials(analysis),
         "solver": {
             "iterations": int(analysis.report.iterations),
             "converged": bool(analysis.report.converged),
@@ -65,9 +63,27 @@ def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
     }
 
 
-def line_art_share(drawing: ToonImage | PreparedDrawing) -> float:
+def _materials(analysis: ToonAnalysis) -> list[dict[str, Any]]:
+    """Describe each material, in the order of the labels."""
+    materials = analysis.materials
+    areas = np.bincount(materials.labels[analysis.image.mask], minlength=materials.count)
+    return [
+        {
+            "share": float(area / areas.sum()),
+            "flat": bool(flat),
+            "tones": [hex_color(shade) for shade in tones],
+            "samples": len(color_map.colors),
+            "domain": list(color_map.domain),
+        }
+        for area, flat, tones, color_map in zip(
+            areas, materials.flat, materials.tones, materials.color_maps, strict=True
+        )
+    ]
+
+
+def ink_share(drawing: ToonImage | PreparedDrawing) -> float:
     """
-    Return how much of a drawing is line art.
+    Return how much of a drawing is ink.
 
     Parameters
     ----------
@@ -80,8 +96,7 @@ def line_art_share(drawing: ToonImage | PreparedDrawing) -> float:
         Share of the object's area, 0 to 1.
     """
     prepared = prepare(drawing)
-    ink = prepared.line_art
-    return 0.0 if ink is None else float(ink.coverage.sum() / prepared.grid.size)
+    return float(prepared.ink.coverage.sum() / prepared.grid.size)
 
 
 def write_report(report: dict[str, Any], path: PathLike) -> None:

@@ -48,17 +48,18 @@ class Frame:
         within[mask[place]] = color[place][mask[place]]
         return cls(place, inside, cut, tabulated_oklab(cut))
 
-    def cut(self, values: FloatArray) -> FloatArray:
+    def cut(self, values: NDArray[Any]) -> NDArray[Any]:
         """Cut values (H, W, ...) of the picture to this frame, zero in the margin."""
         around = [(MARGIN, MARGIN)] * 2 + [(0, 0)] * (values.ndim - 2)
-        padded: FloatArray = np.pad(values[self.place], around)
-        return padded
+        return np.pad(values[self.place], around)
 
-    def embed(self, values: NDArray[Any], shape: tuple[int, ...], fill: float) -> NDArray[Any]:
-        """Put values (h, w, ...) of this frame back into a picture of a shape, filled elsewhere."""
-        whole = np.full((*shape, *values.shape[2:]), fill, dtype=values.dtype)
-        whole[self.place] = values[MARGIN:-MARGIN, MARGIN:-MARGIN]
-        return whole
+    def inner(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return values (h, w, ...) of this frame without the margin."""
+        return values[MARGIN:-MARGIN, MARGIN:-MARGIN]
+
+    def compact(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Return values (h, w, ...) of this frame at the object's pixels, (P, ...)."""
+        return np.asarray(values[self.mask])
 
     @property
     def size(self) -> float:

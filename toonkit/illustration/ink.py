@@ -50,6 +50,10 @@ PIECE = 0.75
 BLACK = 0.2
 """OKLab lightness below which a color is seldom a shadow."""
 
+ENCLOSED, ENCLOSED_BY_BLACK = 0.75, 0.62
+"""How much of the silhouette ink follows, on opposite sides at once, that is surely an outline. The shading of one material
+follows less: its darkest color lies where the silhouette faces away from the light, and along gaps between parts."""
+
 SPECK = 0.0008
 """Share of the object: less ink of one color is none."""
 
@@ -70,16 +74,19 @@ class Ink:
 
     Attributes
     ----------
-    coverage : ndarray, shape (H, W)
+    coverage : ndarray, shape (h, w)
         In [0, 1]; 0 outside the mask.
-    color : ndarray, shape (H, W, 3)
-        sRGB of the ink; NaN where coverage is 0.
+    color : ndarray, shape (h, w, 3)
+        sRGB of the ink; meaningless where coverage is 0.
+    outlined : bool
+        Whether ink follows so much of the silhouette that no shading does the same.
     only_lines : bool
         Whether the drawing has nothing but lines: no paint, or blank paper beneath.
     """
 
     coverage: FloatArray
     color: FloatArray
+    outlined: bool
     only_lines: bool
 
 
@@ -92,15 +99,13 @@ class _Strips:
     width: int
 
 
-def find_ink(color: FloatArray, mask: BoolArray) -> Ink:
+def find_ink(frame: Frame) -> Ink:
     """
     Find the ink of a drawing.
 
     Parameters
     ----------
-    color : ndarray, shape (H, W, 3)
-        sRGB in [0, 1] on the mask; ignored elsewhere.
-    mask : ndarray of bool, shape (H, W)
+    frame : Frame
         The object.
 
     Returns
@@ -114,30 +119,23 @@ def find_ink(color: FloatArray, mask: BoolArray) -> Ink:
     >>> mask = np.hypot(x, y) < 28
     >>> color = np.full((64, 64, 3), 0.8)
     >>> color[np.hypot(x, y) > 26] = 0.1
-    >>> ink = find_ink(color, mask)
-    >>> float(ink.coverage[32, 5]), float(ink.coverage[32, 32])
+    >>> ink = find_ink(Frame.around(color, mask))
+    >>> float(ink.coverage[29, 2]), float(ink.coverage[29, 29])
     (1.0, 0.0)
     """
-    frame = Frame.around(color, mask)
-    coverage, inks = ink_of(frame)
-    drawn = np.where(coverage[..., None] > 0, inks, np.nan)
-    return Ink(
-        np.asarray(frame.embed(coverage, mask.shape, 0.0)),
-        np.asarray(frame.embed(drawn, mask.shape, np.nan)),
-        _has_only_lines(frame, coverage),
-    )
-
-
-def ink_of(frame: Frame) -> tuple[FloatArray, FloatArray]:
-    """Find coverage (h, w) and color (h, w, 3) of the ink in a frame."""
     strips = _dark_strips(frame)
-    nothing = np.zeros(frame.mask.shape), frame.color
+    none = Ink(np.zeros(frame.mask.shape), frame.color, False, False)
     if np.count_nonzero(strips.cores) < SPECK * frame.size**2:
-        return nothing
+        return none
     lines = _lines(frame, strips)
     if not lines.any():
-        return nothing
-    return _coverage(frame, lines, strips)
+        return none
+    coverage, color = _coverage(frame, lines, strips)
+    inked = coverage > 0.5
+    enclosure = _both_sides(_Silhouette.of(frame.mask).share(_grown(inked, 1)))
+    black = inked.any() and np.median(frame.lab[inked, 0]) < BLACK
+    outlined = enclosure > (ENCLOSED_BY_BLACK if black else ENCLOSED)
+    return Ink(coverage, color, bool(outlined), _has_only_lines(frame, coverage))
 
 
 def _dark_strips(frame: Frame) -> _Strips:

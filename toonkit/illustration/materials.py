@@ -9,125 +9,162 @@ in doubt tones stay apart.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations_with_replacement
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy import ndimage
 
-from toonkit._validation import FloatArray
+from toonkit._validation import BoolArray, FloatArray
 from toonkit.illustration.filling import Labels, nearest_sources
 from toonkit.illustration.frame import Frame
 from toonkit.illustration.ink import PAINT
-from toonkit.illustration.ramps import Facing, Groups, join_tones
+from toonkit.illustration.mixed_pixels import REACH
+from toonkit.illustration.ramps import Facing, Groups, is_one_ramp, join_tones
 from toonkit.illustration.tones import Tones, find_tones
 from toonkit.illustration.zones import find_zones
 
 TONE_SHARE = 0.01
 """Share of a material's pixels that a color must have to be listed as one of its tones."""
 
+DETAIL = 0.002
+"""Share of the object up to which a material is a detail, an eye or a button: too small to show how light falls."""
+
 
 @dataclass(frozen=True, eq=False)
-class Materials:
+class FoundMaterials:
     """
-    The materials of a drawing, the largest first.
+    The materials in a frame.
 
     Attributes
     ----------
-    labels : ndarray of int, shape (H, W)
-        Material of each pixel, -1 outside the mask. Under ink it is that of the paint beside it.
+    labels : ndarray of int32, shape (h, w)
+        Material of each pixel, -1 outside the mask.
+    sources : ndarray of int32, shape (h, w)
+        Flat index of the pixel whose paint each shows: its own, or that of a pixel nearby where ink covers it or where it is
+        mixed with the paint of another material.
     tones : tuple of ndarray, shape (k, 3)
         For each material its colors, sRGB in [0, 1], darkest first.
+    flat : ndarray of bool, shape (count,)
+        Which are painted in one tone, or are details.
     """
 
-    labels: NDArray[np.intp]
+    labels: Labels
+    sources: Labels
     tones: tuple[FloatArray, ...]
-
-    @property
-    def count(self) -> int:
-        """How many materials there are."""
-        return len(self.tones)
+    flat: BoolArray
 
 
 def label_materials(
-    color: FloatArray,
-    mask: NDArray[np.bool_],
+    frame: Frame,
+    coverage: FloatArray,
     *,
-    coverage: FloatArray | None = None,
     normals: FloatArray | None = None,
-    light: FloatArray | None = None,
-) -> Materials:
+    labels: Labels | None = None,
+) -> FoundMaterials:
     """
-    Find the materials of a drawing.
+    Find the materials in a frame.
 
     Parameters
     ----------
-    color : ndarray, shape (H, W, 3)
-        sRGB in [0, 1] on the mask; ignored elsewhere.
-    mask : ndarray of bool, shape (H, W)
+    frame : Frame
         The object.
-    coverage : ndarray, shape (H, W), optional
-        How much of each pixel is ink, as `find_ink` says; none by default.
-    normals : ndarray, shape (H, W, 3), optional
+    coverage : ndarray, shape (h, w)
+        How much of each pixel is ink.
+    normals : ndarray, shape (h, w, 3), optional
         Initial normals of the silhouette. Without them a drawing in one material whose hue turns far is split.
-    light : ndarray, shape (3,), optional
-        Unit vector toward the light, if it is known.
+    labels : ndarray of int, shape (h, w), optional
+        The materials, 0 and up, if somebody knows them; -1 where not even they do.
 
     Returns
     -------
-    Materials
+    FoundMaterials
         At least one.
-
-    Examples
-    --------
-    >>> color = np.full((32, 32, 3), (0.8, 0.2, 0.2))
-    >>> color[:, 16:] = (0.2, 0.3, 0.8)
-    >>> label_materials(color, np.ones((32, 32), bool)).count
-    2
     """
-    frame = Frame.around(color, mask)
-    inked = frame.cut(np.zeros(mask.shape) if coverage is None else np.asarray(coverage, np.float64))
-    paint = frame.mask & (inked < PAINT)
+    paint = frame.mask & (coverage < PAINT)
     if not paint.any():
         paint = frame.mask
     zones = find_zones(frame.lab, paint)
     tones = find_tones(zones)
-    facing = None if normals is None else _facing(tones, frame, normals, light, bool((inked > 0).any()))
-    labels, area = _numbered(tones, join_tones(tones, facing))
-    source = nearest_sources(labels >= 0, frame.lab, frame.mask)
-    labels = np.where(source >= 0, labels.ravel()[source], -1)
-    whole = np.asarray(frame.embed(labels.astype(np.intp), mask.shape, -1))
-    return Materials(np.where(mask, whole, -1), _colors(frame, tones, labels, len(area)))
+    if labels is None:
+        facing = None if normals is None else _facing(tones, normals, inked=bool((coverage > 0).any()))
+        known = _numbered(tones, join_tones(tones, facing))
+    else:
+        known = np.where(paint, labels, -1).astype(np.int32)
+        if not (known >= 0).any():
+            known = labels.astype(np.int32)
+    source = _everywhere(nearest_sources(known >= 0, frame.lab, frame.mask), frame.mask)
+    own = np.arange(source.size, dtype=np.int32).reshape(source.shape)
+    whole = np.where(frame.mask, known.ravel()[source], -1)
+    pure = zones.sources.ravel()[source]
+    pure = np.where(pure >= 0, pure, source)
+    # Between two tones of one material lies nothing but their own mixture.
+    alone = paint & ~_beside_another(whole, frame.mask)
+    colors = _colors(frame, tones, whole)
+    area = np.bincount(whole[whole >= 0], minlength=len(colors))
+    flat = np.array([len(shades) == 1 for shades in colors]) | (area < DETAIL * area.sum())
+    return FoundMaterials(whole, np.where(alone, own, pure), colors, flat)
 
 
-def _facing(tones: Tones, frame: Frame, normals: FloatArray, light: FloatArray | None, inked: bool) -> Facing:
+def shows_one_ramp(frame: Frame, normals: FloatArray) -> bool:
+    """Tell whether a drawing, all that seems to be ink included, is one shaded material; normals (h, w, 3) as above."""
+    tones = find_tones(find_zones(frame.lab, frame.mask))
+    return is_one_ramp(tones, _facing(tones, normals, inked=False))
+
+
+def _everywhere(source: Labels, mask: BoolArray) -> Labels:
+    """Give pixels of islands that have no source of their own the nearest one; others beside the mask get any."""
+    if (source[mask] >= 0).all():
+        return np.maximum(source, 0)
+    rows, columns = ndimage.distance_transform_edt(source < 0, return_distances=False, return_indices=True)
+    return np.asarray(source[rows, columns])
+
+
+def _facing(tones: Tones, normals: FloatArray, *, inked: bool) -> Facing:
     """Sum the normals beneath each tone."""
     paint = tones.labels >= 0
-    beneath = np.nan_to_num(np.asarray(frame.cut(normals))[paint])
+    beneath = np.nan_to_num(normals[paint])
     tone = tones.labels[paint]
-    sums = [np.bincount(tone, component, len(tones.area)) for component in beneath.T]
-    return Facing(np.column_stack(sums), beneath.T @ beneath, light, inked)
+    count = len(tones.area)
+    sums = [np.bincount(tone, component, count) for component in beneath.T]
+    moments = np.empty((count, 3, 3))
+    for i, j in combinations_with_replacement(range(3), 2):
+        moments[:, i, j] = moments[:, j, i] = np.bincount(tone, beneath[:, i] * beneath[:, j], count)
+    return Facing(np.column_stack(sums), moments, inked)
 
 
-def _numbered(tones: Tones, group: Groups) -> tuple[Labels, NDArray[np.intp]]:
-    """Assign numbers to materials by area, the largest first, and among equal ones the darker first."""
+def _beside_another(labels: Labels, mask: BoolArray) -> BoolArray:
+    """Mark the pixels that have two materials within `REACH`."""
+    width = 2 * REACH + 1
+    least = ndimage.minimum_filter(np.where(mask & (labels >= 0), labels, np.iinfo(np.int32).max), width)
+    beside: BoolArray = least < ndimage.maximum_filter(labels, width)
+    return beside
+
+
+def _numbered(tones: Tones, group: Groups) -> Labels:
+    """Assign numbers to the materials of pixels by area, the largest first, and among equal ones the darker first."""
     _, which = np.unique(group, return_inverse=True)
-    area = np.bincount(which, tones.area).astype(np.intp)
+    area = np.bincount(which, tones.area)
     darkest = np.full(len(area), len(group))
     np.minimum.at(darkest, which, np.arange(len(group)))
-    order = np.lexsort((darkest, -area))
-    rank = np.argsort(order)[which]
-    labels = np.where(tones.labels >= 0, rank[tones.labels], -1).astype(np.int32)
-    return labels, area[order]
+    rank = np.argsort(np.lexsort((darkest, -area)))[which]
+    labels: Labels = np.where(tones.labels >= 0, rank[tones.labels], -1).astype(np.int32)
+    return labels
 
 
-def _colors(frame: Frame, tones: Tones, labels: Labels, count: int) -> tuple[FloatArray, ...]:
-    """Mean sRGB of each material's tones."""
-    paint = tones.labels >= 0
-    tone, material = tones.labels[paint], labels[paint]
-    number = len(tones.area)
-    sums = [np.bincount(tone, channel, number) for channel in frame.color[paint].T]
-    means = np.column_stack(sums) / tones.area[:, None]
-    owner = np.zeros(number, np.intp)
-    owner[tone] = material
-    whole = np.bincount(owner, tones.area, count)
-    large = tones.area >= TONE_SHARE * whole[owner]
-    return tuple(means[large & (owner == which)] for which in range(count))
+def _colors(frame: Frame, tones: Tones, labels: Labels) -> tuple[FloatArray, ...]:
+    """Mean sRGB of each material's tones, but for those that are rare in it."""
+    paint = (tones.labels >= 0) & (labels >= 0)
+    count, number = int(labels.max()) + 1, len(tones.area)
+    key = labels[paint].astype(np.intp) * number + tones.labels[paint]
+    area = np.bincount(key, minlength=count * number)
+    sums = np.column_stack([np.bincount(key, channel, count * number) for channel in frame.color[paint].T])
+    area, sums = area.reshape(count, number), sums.reshape(count, number, 3)
+    large = area >= np.maximum(TONE_SHARE * area.sum(axis=1, keepdims=True), 1)
+    colors = []
+    for which in range(count):
+        occurring = np.flatnonzero(large[which])
+        if occurring.size == 0:  # all of it lies under ink
+            colors.append(frame.color[labels == which].mean(axis=0, keepdims=True))
+        else:
+            colors.append(sums[which, occurring] / area[which, occurring, None])
+    return tuple(colors)

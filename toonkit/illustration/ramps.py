@@ -65,6 +65,12 @@ LARGE = 0.002
 TURNED_BACK = 1.0
 """Radians by which the hue of a ramp may turn back on its way from dark to bright."""
 
+HIDDEN = 1.35
+"""Cost of a step of lightness up to which the tones below and above may be one ramp though they do not touch."""
+
+STEP = 0.06
+"""Lightness by which a spot is darker than what encloses it, at least."""
+
 Groups = NDArray[np.intp]
 
 
@@ -77,18 +83,19 @@ class Facing:
     ----------
     sums : ndarray, shape (n, 3)
         Sum of the initial normals over each tone's pixels.
-    moments : ndarray, shape (3, 3)
-        Sum of their outer products over all pixels.
-    light : ndarray, shape (3,), or None
-        Unit vector toward the light, if known.
+    moments : ndarray, shape (n, 3, 3)
+        Sum of their outer products.
     inked : bool
         Whether lines part some of the paint.
     """
 
     sums: FloatArray
     moments: FloatArray
-    light: FloatArray | None
     inked: bool
+
+    def only(self, which: Groups) -> Facing:
+        """Return what is known of some tones."""
+        return Facing(self.sums[which], self.moments[which], self.inked)
 
 
 def join_tones(tones: Tones, facing: Facing | None) -> Groups:
@@ -107,11 +114,14 @@ def join_tones(tones: Tones, facing: Facing | None) -> Groups:
     ndarray of int, shape (n,)
         Material of each tone, in no particular order.
     """
-    if facing is not None and is_one_ramp(tones, facing):
-        return np.zeros(len(tones.area), np.intp)
+    if facing is not None:
+        spots = _spots(tones)
+        others = np.flatnonzero(~spots)
+        if is_one_ramp(tones.only(others), facing.only(others)):
+            return np.where(spots, np.arange(len(spots)), others[0])
     large = tones.area > SMALL * tones.area.sum()
     cost = shade_cost(tones.lab)
-    evidence = touching_evidence(tones, cost, None if facing is None else facing.light)
+    evidence = touching_evidence(tones, cost)
     limited = np.where(_out_of_range(tones.lab), np.maximum(cost, 2.0), cost)
     limited = np.where(large[:, None] & large, limited, np.minimum(limited, 0.9))
     return _agglomerate(limited, evidence, tones)
@@ -140,17 +150,15 @@ def shade_cost(lab: FloatArray) -> Matrix:
     return cost
 
 
-def touching_evidence(tones: Tones, cost: Matrix, light: FloatArray | None) -> Matrix:
+def touching_evidence(tones: Tones, cost: Matrix) -> Matrix:
     """Log-odds (n, n) that tones that touch are one material; meaningless where they do not."""
     contact = np.maximum(tones.contact, 1e-9)
     rise = tones.lab[None, :, 0] - tones.lab[:, None, 0]
     drop = np.abs(rise)
-    toward = _azimuth(tones, cost) if light is None else light[:2] / max(float(np.hypot(*light[:2])), 1e-9)
-    lean = np.sign(rise) * (tones.way @ toward) / contact
+    lean = np.sign(rise) * (tones.way @ _azimuth(tones, cost)) / contact
     length = np.log(contact / np.sqrt(np.minimum(tones.area[:, None], tones.area)))
     cost = np.minimum(cost, 3.0)
-    # Shadows lie along silhouettes and lines. A darker tone that a single other one encloses is a spot.
-    enclosed = (tones.contact - tones.smooth) / np.maximum(tones.perimeter, 1.0)[:, None]
+    enclosed = _enclosed(tones)
     enclosed = np.where(rise > 0, enclosed, enclosed.T)
     spot = np.clip((enclosed - SPOT[0]) / (SPOT[1] - SPOT[0]), 0.0, 1.0)
     w = EVIDENCE
@@ -166,6 +174,19 @@ def touching_evidence(tones: Tones, cost: Matrix, light: FloatArray | None) -> M
         + w["constant"]
     )
     return np.clip(odds, -8.0, 8.0)
+
+
+def _enclosed(tones: Tones) -> Matrix:
+    """Share (n, n) of each tone's perimeter along each other one, without a smooth passage: shadows reach silhouettes."""
+    return (tones.contact - tones.smooth) / np.maximum(tones.perimeter, 1.0)[:, None]
+
+
+def _spots(tones: Tones) -> BoolArray:
+    """Find the dark tones (n,) that a single brighter one encloses without a smooth passage."""
+    large = tones.area > LARGE * tones.area.sum()
+    rise = tones.lab[None, :, 0] - tones.lab[:, None, 0]
+    spots: BoolArray = ((rise > STEP) & (_enclosed(tones) > SPOT[1]) & large & large[:, None]).any(axis=1)
+    return spots
 
 
 def is_one_ramp(tones: Tones, facing: Facing) -> bool:
@@ -187,13 +208,14 @@ def is_one_ramp(tones: Tones, facing: Facing) -> bool:
     explained, light = _explained_by_normals(lightness, area, facing)
     if explained < 0.1 or light[2] < -0.32:
         return False
-    illumination = facing.sums @ (light if facing.light is None else facing.light) / area
+    illumination = facing.sums @ light / area
     brighter = smaller * (rise > 0.03)
     wrong = np.clip(illumination[:, None] - illumination + 0.02, 0.0, 0.2) / 0.2
     reversed_share = (brighter * wrong).sum() / max(brighter.sum(), 1e-9)
-    if reversed_share < 0.06 and _consecutive_touch(tones, 1.5 if facing.inked else 0.3):
+    hidden = _hidden_steps(tones, 1.5 if facing.inked else 0.3)
+    if reversed_share < 0.06 and hidden == 0.0:
         return True
-    if facing.inked:
+    if facing.inked or hidden > HIDDEN:
         return False
     # Other tones hide the contact of consecutive ones where parts stand before each other, and where steps are almost hard.
     in_front = light[2] > -0.1
@@ -252,9 +274,10 @@ def _azimuth(tones: Tones, cost: Matrix) -> FloatArray:
     return np.asarray(way / max(float(np.hypot(*way)), 1e-9))
 
 
-def _consecutive_touch(tones: Tones, least: float) -> bool:
-    """Tell whether, at every lightness, the tones just below and just above touch along a line of some relative length."""
+def _hidden_steps(tones: Tones, least: float) -> float:
+    """Return the largest cost of a step of lightness at which tones do not touch along a line of some relative length."""
     lightness, count = tones.lab[:, 0], len(tones.area)
+    cost, worst = shade_cost(tones.lab), 0.0
     large = np.flatnonzero(tones.area > 2.5 * LARGE * tones.area.sum())
     for lower, upper in pairwise(large):
         below = np.arange(count) <= lower
@@ -263,8 +286,8 @@ def _consecutive_touch(tones: Tones, least: float) -> bool:
         touching = tones.contact[np.ix_(near_below, near_above)].sum()
         smaller = min(tones.area[below].sum(), tones.area[~below].sum())
         if touching < least * np.sqrt(smaller):
-            return False
-    return True
+            worst = max(worst, float(cost[lower, upper]), 1e-9)
+    return worst
 
 
 def _explained_by_normals(
@@ -273,7 +296,7 @@ def _explained_by_normals(
     """Share of the lightness's variance that is linear in the normals, and the unit vector along which it grows."""
     total = area.sum()
     system = np.zeros((4, 4))
-    system[:3, :3] = facing.moments
+    system[:3, :3] = facing.moments.sum(axis=0)
     system[:3, 3] = system[3, :3] = facing.sums.sum(axis=0)
     system[3, 3] = total
     right = np.append(facing.sums.T @ lightness, area @ lightness)

@@ -60,6 +60,16 @@ class Tones:
     way: FloatArray
     perimeter: FloatArray
 
+    def only(self, which: NDArray[np.intp]) -> Tones:
+        """Return some tones as if there were no others."""
+        place = np.full(len(self.area) + 1, -1, np.int32)  # of -1, the last one, too
+        place[which] = np.arange(len(which))
+        both = np.ix_(which, which)
+        return Tones(
+            place[self.labels], self.lab[which], self.area[which], self.contact[both], self.smooth[both],
+            self.way[both], self.perimeter[which],
+        )  # fmt: skip
+
 
 def find_tones(zones: Zones) -> Tones:
     """Find the tones of the paint that zones cover."""

@@ -54,10 +54,13 @@ class Zones:
         Zone of each pixel of paint, -1 elsewhere; not all numbers occur.
     lab : ndarray of float32, shape (h, w, 3)
         Colors of the paint without mixtures: of a mixed pixel that of the zone it belongs to, nearby.
+    sources : ndarray of int32, shape (h, w)
+        Flat index of the pixel that this color is of: the pixel's own where it is not mixed; -1 beside the paint.
     """
 
     labels: Labels
     lab: Lab
+    sources: Labels
 
 
 def find_zones(lab: Lab, paint: BoolArray) -> Zones:
@@ -127,7 +130,7 @@ def _without_specks(labels: Labels, lab: Lab, paint: BoolArray) -> Zones:
     zones, shown = np.full(paint.shape, -1, np.int32), lab.copy()
     zones[filled] = labels.ravel()[source[filled]]
     shown[filled] = lab.reshape(-1, 3)[source[filled]]
-    return Zones(zones, shown)
+    return Zones(zones, shown, source)
 
 
 def _unmixed_pieces(pieces: Labels, lab: Lab, paint: BoolArray) -> BoolArray:

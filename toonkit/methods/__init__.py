@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from os import PathLike
 from typing import Any, Protocol
 
 from numpy.typing import ArrayLike
@@ -18,6 +19,8 @@ from toonkit.methods.steps import StepProgress
 from toonkit.methods.todo import todo
 from toonkit.methods.toonkit import toonkit
 from toonkit.model.image import ToonImage
+from toonkit.model.light import direction_of
+from toonkit.model.loading import load_image
 from toonkit.numerics.bands import single_threaded_blas
 
 
@@ -52,24 +55,29 @@ METHODS: dict[str, Method] = {
 
 
 def analyze(
-    image: ToonImage,
+    image: ToonImage | PreparedDrawing | str | PathLike[str],
     light: ArrayLike | None = None,
     *,
     method: str = "toonkit",
+    materials: ArrayLike | None = None,
     previous: ToonAnalysis | None = None,
     progress: StepProgress | None = None,
 ) -> ToonAnalysis:
     """
-    Take a cartoon-shaded picture apart into normals and a color map.
+    Take a cartoon-shaded picture apart into normals and the color maps of its materials.
 
     Parameters
     ----------
-    image : ToonImage
-        The picture.
-    light : array_like, shape (3,), optional
-        Direction from the surface to the light that the artist had in mind; estimated if not given.
+    image : ToonImage or path
+        The picture, or a file that `load_image` reads.
+    light : array_like, shape (3,) or (2,), optional
+        Direction from the surface to the light that the artist had in mind, or its azimuth and elevation in degrees;
+        estimated if not given.
     method : str, optional
         Name of an estimator in `METHODS`.
+    materials : array_like of int, shape (H, W), optional
+        Number of the material of each pixel, 0 and up, and -1 where that is left to toonkit; ignored outside the mask.
+        Found if not given.
     previous : ToonAnalysis, optional
         An analysis of the same mask under a nearby light. `toonkit` and `classical` start from it and answer sooner; one of
         the same picture passes on what was derived from it.
@@ -79,13 +87,13 @@ def analyze(
     Returns
     -------
     ToonAnalysis
-        Normals, color map, light and how the refinement went.
+        Normals, materials with their color maps, light and how the refinement went.
 
     Raises
     ------
     ToonkitError
-        If the method is unknown, the image is not a `ToonImage`, the light is refused, or the previous analysis is of
-        another mask.
+        If the method is unknown, the image is neither a `ToonImage` nor a file that can be read, the light or the materials
+        are refused, or the previous analysis is of another mask.
 
     Examples
     --------
@@ -102,16 +110,19 @@ def analyze(
         raise refuse("method", f"must be one of {', '.join(METHODS)}", repr(method))
     if previous is not None:
         of_type("previous", previous, ToonAnalysis)
-    if previous is not None and previous.image is image:
+    if isinstance(image, (str, PathLike)):
+        image = load_image(image)
+    direction = None if light is None else direction_of("light", light)
+    if previous is not None and previous.image is image and materials is None:
         drawing = previous.drawing
     else:
-        drawing = prepare(image)
+        drawing = prepare(image, materials=materials)
         if previous is not None:
             same_mask("previous", previous.image.mask, drawing.mask, "the picture")
     options: dict[str, Any] = {} if previous is None else {"previous": previous}
     with single_threaded_blas():
-        if light is not None:
-            return METHODS[method](drawing, light, progress=progress, **options)
+        if direction is not None:
+            return METHODS[method](drawing, direction, progress=progress, **options)
         if progress is not None:
             progress("estimating the light", 0.0)
         estimate = estimate_light(drawing)

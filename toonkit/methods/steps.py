@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from toonkit._validation import FloatArray, as_light
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.color_map_fit import allowed_interval, painted_interval, rank_matched
+from toonkit.estimation.color_map_fit import allowed_intervals, fit_materials, painted_intervals
 from toonkit.estimation.energy import RefinementOptions, printed_energy
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.estimation.refinement import Refinement, refine_islands
@@ -54,12 +54,12 @@ class Steps:
         return self._illumination(self.initial_normals)
 
     def fit_intervals(self, normals: NormalField) -> tuple[IlluminationInterval, IlluminationInterval]:
-        """Fit the color map to normals; return the intervals (P,) it allows, and those without the range of mixed pixels."""
+        """Fit the color maps to normals; return the intervals (P,) they allow, and those without mixed pixels' own range."""
         if self.progress is not None:
-            self.progress("fitting the color map", INFLATED)
-        color_map = self._fit(normals)
-        allowed = allowed_interval(self.drawing.tones, color_map)
-        return allowed, painted_interval(self.drawing.tones, color_map, allowed)
+            self.progress("fitting the color maps", INFLATED)
+        color_maps = self._fit(normals)
+        allowed = allowed_intervals(self.drawing, color_maps)
+        return allowed, painted_intervals(self.drawing, color_maps, allowed)
 
     def printed_energy(
         self, allowed: IlluminationInterval, *, rho: float, smoothness: float
@@ -77,7 +77,7 @@ class Steps:
     def refine(
         self, normals: NormalField, previous: ToonAnalysis | None, options: RefinementOptions | None = None
     ) -> Refinement:
-        """Fit the color map to normals and refine them (Sections 3.2 and 3.3), from an earlier answer if there is one."""
+        """Fit the color maps to normals and refine them (Sections 3.2 and 3.3), from an earlier answer if there is one."""
         allowed, painted = self.fit_intervals(normals)
         return refine_islands(
             self.drawing.islands,
@@ -96,8 +96,8 @@ class Steps:
             self.progress("refining the normals", FITTED + (1 - FITTED) * fraction)
 
     def finish(self, method: str, refinement: Refinement) -> ToonAnalysis:
-        """Re-estimate the color map on the refined normals (every method does) and hand everything over."""
-        color_map = self._fit(refinement.normals)
+        """Re-estimate the color maps on the refined normals (every method does) and hand everything over."""
+        materials = replace(self.drawing.materials, color_maps=self._fit(refinement.normals))
         if self.progress is not None:
             self.progress("done", 1.0)
         return ToonAnalysis(
@@ -106,13 +106,13 @@ class Steps:
             light=self.light,
             normals=refinement.normals,
             initial_normals=self.initial_normals,
-            color_map=color_map,
+            materials=materials,
             report=refinement.report,
             drawing=self.drawing,
         )
 
-    def _fit(self, normals: NormalField) -> ColorMap:
-        return rank_matched(self.drawing.tones, self._illumination(normals))
+    def _fit(self, normals: NormalField) -> tuple[ColorMap, ...]:
+        return fit_materials(self.drawing, self._illumination(normals))
 
     def _illumination(self, normals: NormalField) -> FloatArray:
         return np.clip(normals.compact @ self.light, -1.0, 1.0)

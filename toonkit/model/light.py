@@ -46,6 +46,33 @@ def light_direction(azimuth: float, elevation: float) -> FloatArray:
     return as_light("light", vector)
 
 
+def direction_of(argument: str, light: ArrayLike) -> FloatArray:
+    """
+    Return the unit vector of a light given as a direction or in degrees.
+
+    Parameters
+    ----------
+    argument : str
+        Name of the argument, for the message of an error.
+    light : array_like, shape (3,) or (2,)
+        Direction from the surface to the light, or azimuth and elevation as in `light_direction`.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        Unit vector, z >= 0.
+
+    Raises
+    ------
+    ToonkitError
+        If it is neither, zero, not finite or from behind.
+    """
+    if np.ndim(light) == 1 and len(np.asarray(light)) == 2:
+        azimuth, elevation = np.asarray(light).tolist()
+        return light_direction(azimuth, elevation)
+    return as_light(argument, light)
+
+
 def light_angles(light: ArrayLike) -> tuple[float, float]:
     """
     Azimuth and elevation, in degrees, of a light direction: the inverse of `light_direction`.

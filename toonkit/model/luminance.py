@@ -59,3 +59,26 @@ def tone(color: ArrayLike) -> FloatArray:
         Tone in [0, 1].
     """
     return linear_to_srgb(luminance(color))
+
+
+def hex_color(color: ArrayLike) -> str:
+    """
+    Write a color as web pages do.
+
+    Parameters
+    ----------
+    color : array_like, shape (3,)
+        sRGB in [0, 1].
+
+    Returns
+    -------
+    str
+        "#rrggbb".
+
+    Examples
+    --------
+    >>> hex_color([1.0, 0.5, 0.0])
+    '#ff8000'
+    """
+    red, green, blue = np.round(np.asarray(color) * 255).astype(int)
+    return f"#{red:02x}{green:02x}{blue:02x}"

@@ -16,6 +16,7 @@ from toonkit.methods import METHODS, Method
 from toonkit.methods.steps import StepProgress
 from toonkit.model.image import ToonImage
 from toonkit.model.light import light_direction
+from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination
 from toonkit.relighting import relight
@@ -64,7 +65,8 @@ def flat(
     color_map = fit_color_map(drawing, illumination(normals, direction))
     if progress is not None:
         progress("done", 1.0)
-    return ToonAnalysis(image, "flat", direction, normals, normals, color_map, drawing=drawing)
+    materials = Materials.single(image.mask, color_map)
+    return ToonAnalysis(image, "flat", direction, normals, normals, materials)
 
 
 FLAT = Contestant(flat, picture=lambda analysis: analysis.image, relight=lambda analysis, _: analysis.image)

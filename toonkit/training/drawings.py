@@ -34,7 +34,7 @@ class Drawing:
     Attributes
     ----------
     tones : ndarray of float32, shape (S, S)
-        As painted; under ink those of the nearest paint that shows, as in `toonkit.estimation.line_art`.
+        As painted; under ink those of the nearest paint that shows, as in `toonkit.illustration`.
     ink : ndarray of bool, shape (S, S)
         Where ink hides the paint.
     mask : ndarray of bool, shape (S, S)

@@ -101,7 +101,8 @@ def color_map_fit(analysis: ToonAnalysis, *, seed: int = 0) -> hv.Overlay:
         kdims=["illumination", "tone"],
         vdims=["color"],
     ).opts(color="color", size=4, alpha=0.75, line_color=None, backend=BACKEND)
-    overlay = _backdrop() * _strip(analysis.color_map) * points * _bars(analysis) * _curve(analysis.color_map)
+    color_map = analysis.materials.color_maps[0]
+    overlay = _backdrop() * _strip(color_map) * points * _bars(analysis) * _curve(color_map)
     return overlay.opts(
         xlabel="illumination  L · N",
         ylabel="tone  (black 0, white 1)",

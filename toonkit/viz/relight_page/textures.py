@@ -79,21 +79,21 @@ def encode_textures(analysis: ToonAnalysis) -> RelightTextures:
         color=color.tobytes(),
         paint=_paint_beneath(analysis.drawing, color),
         normals=_project(analysis.normals).astype("<f2").tobytes(),
-        color_map=_map_samples(analysis.color_map).astype("<f4").tobytes(),
-        domain=analysis.color_map.domain,
+        color_map=_map_samples(analysis.materials.color_maps[0]).astype("<f4").tobytes(),
+        domain=analysis.materials.color_maps[0].domain,
         analyzed_light=light_angles(analysis.light),
     )
 
 
 def _paint_beneath(drawing: PreparedDrawing, color: NDArray[np.uint8]) -> bytes:
     """Encode a picture's colors (H, W, 4) without its line art."""
-    ink = drawing.line_art
-    if ink is None:
+    mixed = drawing.mixed
+    if mixed.pixels.size == 0:
         return b""
     paint = color.copy()
     paint[..., 3] = 255
-    beneath = np.column_stack([ink.beneath, 1.0 - ink.coverage])
-    paint[drawing.inked_places] = np.round(beneath * 255)
+    beneath = np.column_stack([drawing.paint[mixed.sources[:, 0]], mixed.shares.sum(axis=1)])
+    paint[drawing.places(mixed.pixels)] = np.round(beneath * 255)
     return paint.tobytes()
 
 

@@ -190,7 +190,7 @@ def _answer(method: str, contestant: Contestant | None, painting: Painting, ligh
             picture=contestant.picture(analysis).to_rgba(),
             normal_map=_normal_map(analysis.normals, painting),
             angle=angular_error(analysis.normals, painting.truth.normals).map,
-            color_map=analysis.color_map,
+            color_map=analysis.materials.color_maps[0],
             relit=tuple(
                 contestant.relight(analysis, light_direction(*angles)).to_rgba()
                 for angles in painting.settings.new_lights

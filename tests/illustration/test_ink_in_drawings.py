@@ -1,4 +1,4 @@
-"""Ink is told from shading, what it covers is given back, and no shading is taken for ink."""
+"""Ink in whole drawings: told from shading, taken off before the shape is found, and left as drawn."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from toonkit import (
     analyze,
     angular_error,
     estimate_light,
+    find_materials,
     light_direction,
     relight,
 )
-from toonkit.estimation.line_art import LineArt
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.rendering import render_shape
@@ -49,16 +49,12 @@ def struck_out(image: ToonImage, shape: Ellipse, width: float = 4.0) -> ToonImag
     return covered(image, width / 2 + 0.5 - np.abs(shape.y))
 
 
-def ink_of(image: ToonImage) -> LineArt:
-    ink = prepare(image).line_art
-    assert ink is not None
-    return ink
+def coverage_of(image: ToonImage) -> np.ndarray:
+    return prepare(image).ink_coverage
 
 
-def on_picture(image: ToonImage, ink: LineArt) -> np.ndarray:
-    coverage = np.zeros(image.mask.shape)
-    coverage[prepare(image).inked_places] = ink.coverage
-    return coverage
+def has_ink(image: ToonImage) -> bool:
+    return bool(coverage_of(image).any())
 
 
 @pytest.fixture(scope="module")
@@ -73,13 +69,13 @@ def ball() -> Ellipse:
 )
 def test_a_ball_has_no_line_art_under_a_light_that_is_not_straight_ahead(ball, color_map, elevation, azimuth):
     image = painted(ball.normals, color_map, light=light_direction(azimuth, elevation))
-    assert prepare(image).line_art is None
+    assert not has_ink(image)
 
 
 def test_a_dark_rim_of_even_width_under_a_light_straight_ahead_is_taken_for_an_outline(ball):
     """What no picture can tell apart: the limit that the module names."""
     image = painted(ball.normals, RIMMED, light=light_direction(0, 90))
-    assert ink_of(image).coverage.sum() == pytest.approx(np.pi * 60**2 * 0.35**2, rel=0.1)
+    assert coverage_of(image).sum() == pytest.approx(np.pi * 60**2 * 0.35**2, rel=0.1)
 
 
 @pytest.mark.parametrize("name", list(SHAPES))
@@ -88,16 +84,16 @@ def test_no_picture_of_the_study_has_line_art(name):
     found = [
         color_map
         for color_map, colors in load_color_maps().items()
-        if prepare(painted(truth.normals, colors, alpha=truth.coverage)).line_art is not None
+        if has_ink(painted(truth.normals, colors, alpha=truth.coverage))
     ]
     assert found == []
 
 
-@pytest.mark.parametrize("width", [1.5, 3.0, 5.0])
+@pytest.mark.parametrize("width", [1.5, 3.0, 4.0])
 @pytest.mark.parametrize("color_map", [SOFT, TWO_TONE], ids=["soft", "two tones"])
 def test_an_outline_is_found_where_it_was_drawn(ball, color_map, width):
     image = outlined(painted(ball.normals, color_map, alpha=ball.coverage), width)
-    coverage = on_picture(image, ink_of(image))
+    coverage = coverage_of(image)
     inward = distance_transform_edt(image.mask)
     assert (coverage[image.mask & (inward < width)] > 0.8).all()
     # Next to nothing is given up that no ink touches: soft shading is dark near the silhouette, too.
@@ -106,25 +102,25 @@ def test_an_outline_is_found_where_it_was_drawn(ball, color_map, width):
 
 def test_an_even_outline_is_told_from_a_crescent_of_the_same_color(ball):
     image = painted(ball.normals, DARK, light=light_direction(20, 60))
-    assert prepare(image).line_art is None
-    ink = ink_of(outlined(image, 3.0))
-    assert np.sum(ink.coverage == 1) == pytest.approx(np.pi * (60**2 - 57**2), rel=0.15)
+    assert not has_ink(image)
+    coverage = coverage_of(outlined(image, 3.0))
+    assert np.sum(coverage > 0.9) == pytest.approx(np.pi * (60**2 - 57**2), rel=0.15)
 
 
 def test_a_line_inside_an_outline_is_found_with_it(ball):
     clean = painted(ball.normals, TWO_TONE, alpha=ball.coverage)
     image = struck_out(outlined(clean, 3.0), ball)
-    coverage = on_picture(image, ink_of(image))
+    coverage = coverage_of(image)
     assert (coverage[image.mask & (np.abs(ball.y) < 1.5)] == 1).all()
 
 
-def test_a_mark_darker_than_all_of_the_silhouette_is_ink_without_any_outline(ball):
+def test_a_mark_darker_than_all_shading_is_a_flat_material(ball):
     clean = painted(ball.normals, TWO_TONE, alpha=ball.coverage)
     eye = 7.5 - np.hypot(ball.x - 15, ball.y - 10)
-    image = covered(clean, eye)
-    coverage = on_picture(image, ink_of(image))
-    assert (coverage[eye > 1] == 1).all()
-    assert (coverage[eye < -2.5] == 0).all()
+    materials = find_materials(covered(clean, eye))
+    assert materials.count == 2
+    assert materials.flat.tolist() == [False, True]
+    assert (materials.labels[eye > 1] == 1).all()
 
 
 @pytest.mark.parametrize("shape", ["disc", "diamond"])
@@ -134,18 +130,16 @@ def test_a_wide_dark_patch_is_paint_all_of_it(ball, shape, line):
     aside = (ball.x - 8, ball.y + 5)
     patch = (np.hypot(*aside) if shape == "disc" else np.abs(aside).sum(axis=0)) < 18
     image = ToonImage(np.where(patch[..., None], BLACK, image.color), image.mask)
-    ink = prepare(image).line_art
-    assert (ink is None) == (line == 0.0)
-    if ink is not None:
-        assert not on_picture(image, ink)[patch].any()
+    assert has_ink(image) == (line > 0.0)
+    assert coverage_of(image)[patch].mean() < 0.15  # the corners of a diamond are as narrow as lines
 
 
 @pytest.mark.parametrize("width", [1.5, 3.0, 5.0])
 def test_an_outline_mixed_with_a_white_page_is_found(ball, width):
     image = outlined(painted(ball.normals, TWO_TONE, alpha=ball.coverage), width)
     share = ball.coverage[..., None]
-    ink = ink_of(ToonImage(image.color * share + 1.0 - share, ball.mask))
-    assert ink.coverage.sum() == pytest.approx(np.pi * (60**2 - (60 - width) ** 2), rel=0.25)
+    coverage = coverage_of(ToonImage(image.color * share + 1.0 - share, ball.mask))
+    assert coverage.sum() == pytest.approx(np.pi * (60**2 - (60 - width) ** 2), rel=0.25)
 
 
 def test_what_ink_covers_is_the_paint_beside_it(ball):
@@ -160,14 +154,15 @@ def test_what_ink_covers_is_the_paint_beside_it(ball):
 
 def test_ink_over_its_own_paint_is_the_drawing(ball):
     image = struck_out(outlined(painted(ball.normals, SOFT), 3.0), ball)
-    ink = ink_of(image)
-    assert np.allclose(ink.over(ink.beneath), ink.drawn, rtol=0, atol=1e-15)
+    mixed = prepare(image).mixed
+    assert len(mixed.pixels) > 500
+    assert np.allclose(mixed.over(np.zeros((len(mixed.pixels), 2, 3))), mixed.drawn, rtol=0, atol=1e-15)
 
 
 def test_a_silhouette_that_the_frame_cuts_off_on_one_side_shows_no_ink(ball):
     image = outlined(painted(ball.normals, TWO_TONE), 3.0)
     half = ToonImage(image.color[:60], image.mask[:60])
-    assert prepare(half).line_art is None
+    assert not has_ink(half)
 
 
 @pytest.mark.parametrize("method", list(METHODS))
@@ -180,17 +175,17 @@ def test_an_inked_ball_is_the_ball_to_every_method(ball, method):
     taken_off = error(drawing)
     assert taken_off < error(clean) + 2.5
     overlooked = prepare(drawing)
-    overlooked.line_art = None
+    overlooked.ink = replace(overlooked.ink, coverage=np.zeros_like(overlooked.ink.coverage))
     # lumo does not look at colors; to the others lines would be grooves.
     assert method == "lumo" or error(overlooked) > taken_off + 1.0
 
 
 def test_lines_around_a_single_color_leave_that_color(ball):
     image = outlined(ToonImage(np.full((*ball.mask.shape, 3), 0.9), ball.mask, alpha=ball.coverage), 3.0)
-    ink_of(image)
+    assert has_ink(image)
     assert np.allclose(prepare(image).paint, 0.9)
     assert estimate_light(image).confidence == 0
-    relit = relight(analyze(image, LIGHT), light_direction(-50, 40))
+    relit = relight(analyze(image, LIGHT), light_direction(-50, 40), flat_shading=0)
     assert np.allclose(relit.color, image.color, rtol=0, atol=1e-9, equal_nan=True)
 
 
@@ -202,7 +197,7 @@ def test_the_light_of_an_inked_ball_is_found(ball):
 def test_line_art_stays_as_drawn_under_another_light(ball):
     image = struck_out(outlined(painted(ball.normals, TWO_TONE, alpha=ball.coverage), 3.0), ball)
     analysis = analyze(image, LIGHT)
-    solid = on_picture(image, ink_of(image)) == 1
+    solid = coverage_of(image) == 1
     relit = relight(analysis, light_direction(-50, 40))
     assert np.array_equal(relit.color[solid], image.color[solid])
     assert np.abs(relit.color - image.color)[image.mask & ~solid].max() > 0.3
@@ -214,20 +209,20 @@ def test_line_art_stays_as_drawn_under_another_light(ball):
 def test_pixels_between_ink_and_paint_change_with_the_paint(ball):
     clean = painted(ball.normals, TWO_TONE, alpha=ball.coverage)
     analysis = analyze(outlined(clean, 3.0), LIGHT)
-    ink = ink_of(analysis.image)
-    inked = prepare(analysis.image).inked_places
-    light = light_direction(-50, 40)
-    relit = relight(analysis, light, keep_detail=False)
-    bare = replace(analysis, image=clean)
-    paint = relight(bare, light, keep_detail=False).color[inked]
-    mixed = (ink.coverage > 0.2) & (ink.coverage < 0.8)
-    assert mixed.sum() > 20
-    expected = ink.drawn + (1 - ink.coverage[:, None]) * (paint - ink.beneath)
-    assert np.allclose(relit.color[inked], np.clip(expected, 0, 1), rtol=0, atol=1e-12)
+    drawing = analysis.drawing
+    mixed = drawing.mixed
+    relit = relight(analysis, light_direction(-50, 40), keep_detail=False)
+    partly = (mixed.shares[:, 0] > 0.2) & (mixed.shares[:, 0] < 0.8)
+    assert partly.sum() > 20
+    source = drawing.places(mixed.sources[:, 0])
+    change = relit.color[source] - analysis.image.color[source]
+    expected = mixed.drawn + mixed.shares[:, :1] * change
+    found = relit.color[drawing.places(mixed.pixels)]
+    assert np.allclose(found, np.clip(expected, 0, 1), rtol=0, atol=1e-12)
 
 
 def test_the_model_s_picture_has_the_line_art_on_top(ball):
     image = outlined(painted(ball.normals, TWO_TONE, alpha=ball.coverage), 3.0)
     analysis = analyze(image, LIGHT)
-    solid = on_picture(image, ink_of(image)) == 1
+    solid = coverage_of(image) == 1
     assert np.array_equal(analysis.picture.color[solid], image.color[solid])

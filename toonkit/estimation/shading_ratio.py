@@ -1,0 +1,95 @@
+"""A drawing in several materials as one gray picture: each color relative to the brightest one of its material."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+
+from toonkit._validation import BoolArray, FloatArray
+from toonkit.estimation.painted_tones import PaintedTones
+from toonkit.model.luminance import REC709, linear_to_srgb
+from toonkit.numerics.masked_grid import IndexArray, MaskedGrid
+
+BRIGHTEST = 0.98
+"""Share of a material's pixels that are at most as bright as its brightest tone; others are highlights and noise."""
+
+LIT = 0.8
+"""Linear light of the brightest tone in the gray picture."""
+
+
+@dataclass(frozen=True, eq=False)
+class PaintedMaterial:
+    """
+    One material of a drawing.
+
+    Attributes
+    ----------
+    pixels : ndarray of int, shape (p,), or slice
+        Which of the object's pixels are painted with it.
+    tones : PaintedTones or None
+        Their tones; None if it is flat.
+    """
+
+    pixels: IndexArray | slice
+    tones: PaintedTones | None
+
+
+@dataclass(frozen=True, eq=False)
+class GrayPaint:
+    """
+    What an object's pixels show of shading.
+
+    Attributes
+    ----------
+    light : ndarray, shape (P, 3)
+        Linear light, without the colors of materials.
+    tone : ndarray, shape (P,)
+        Its tone, plain.
+    hidden : ndarray, shape (P,)
+        One where nothing shows, under ink and on flat materials, else zero; light and tone are there those of the nearest
+        pixel that shows some.
+    """
+
+    light: FloatArray
+    tone: FloatArray
+    hidden: FloatArray
+
+
+def gray_paint(materials: Sequence[PaintedMaterial], grid: MaskedGrid, inked: BoolArray) -> GrayPaint:
+    """
+    Divide the colors of each material by its brightest tone.
+
+    Parameters
+    ----------
+    materials : sequence of PaintedMaterial
+        All of a drawing.
+    grid : MaskedGrid
+        The object.
+    inked : ndarray of bool, shape (P,)
+        Where ink covers the paint.
+
+    Returns
+    -------
+    GrayPaint
+        A drawing in one material stays as it is.
+    """
+    if len(materials) == 1 and materials[0].tones is not None:
+        tones = materials[0].tones
+        return GrayPaint(tones.light, tones.plain, inked.astype(np.float64))
+    gray, told = np.full(grid.size, LIT), np.zeros(grid.size, np.bool_)
+    for material in materials:
+        if material.tones is None:
+            continue
+        shade = material.tones.light @ REC709
+        gray[material.pixels] = LIT * np.minimum(shade / max(float(np.quantile(shade, BRIGHTEST)), 1e-6), 1.0)
+        told[material.pixels] = True
+    if told.any() and not told.all():
+        picture = np.zeros(grid.mask.shape, np.bool_)
+        picture[grid.mask] = told
+        rows, columns = distance_transform_edt(~picture, return_distances=False, return_indices=True)
+        gray = gray[grid.index[rows, columns][grid.mask]]
+    light = np.repeat(gray[:, None], 3, axis=1)
+    return GrayPaint(light, np.asarray(linear_to_srgb(gray)), np.maximum(inked, ~told).astype(np.float64))

@@ -1,0 +1,117 @@
+"""Mixed pixels: those that show more than the paint of their own material, be it ink or the paint of a neighbor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toonkit._validation import BoolArray, FloatArray
+from toonkit.illustration.filling import Labels
+
+REACH = 2
+"""Pixels from a border within which paint may be mixed with that on its other side."""
+
+OFF_MIXTURE = 0.1
+"""How far a pixel may lie from the mixtures of two paints and still be one, sRGB."""
+
+LEAST_APART = 0.02
+"""Distance of two paints, sRGB, below which their mixtures cannot be told from them."""
+
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class MixedPixels:
+    """
+    Pixels whose colors are composed of other pixels' paint, and of ink, which no light changes.
+
+    Attributes
+    ----------
+    pixels : ndarray of int, shape (n,)
+        Compact index of each.
+    sources : ndarray of int, shape (n, 2)
+        Those of the two pixels of pure paint that it shows: the first on its own side.
+    shares : ndarray, shape (n, 2)
+        How much of each it shows, 0 to 1; the rest is ink.
+    drawn : ndarray, shape (n, 3)
+        Colors as drawn, sRGB in [0, 1].
+    """
+
+    pixels: Indices
+    sources: Indices
+    shares: FloatArray
+    drawn: FloatArray
+
+    def over(self, change: FloatArray) -> FloatArray:
+        """Return the colors (n, 3) once the paint of the first and second sources has changed by (n, 2, 3)."""
+        colors: FloatArray = np.clip(self.drawn + np.einsum("nk,nkc->nc", self.shares, change), 0.0, 1.0)
+        return colors
+
+
+def mixtures(
+    color: FloatArray, coverage: FloatArray, labels: Labels, sources: Labels, mask: BoolArray
+) -> MixedPixels:
+    """
+    Unmix the pixels of an object.
+
+    Parameters
+    ----------
+    color : ndarray, shape (h, w, 3)
+        sRGB in [0, 1].
+    coverage : ndarray, shape (h, w)
+        How much of each pixel is ink.
+    labels : ndarray of int, shape (h, w)
+        Their materials.
+    sources : ndarray of int, shape (h, w)
+        Flat index of the pixel whose paint each shows; its own where it is pure.
+    mask : ndarray of bool, shape (h, w)
+        The object; False within `REACH` of the border of the array is not needed, within one pixel it is.
+
+    Returns
+    -------
+    MixedPixels
+        The pixels that are inked, or are not their own source.
+    """
+    flat = np.arange(mask.size).reshape(mask.shape)
+    place = np.flatnonzero((mask & ((sources != flat) | (coverage > 0))).ravel())
+    compact = np.cumsum(mask.ravel()) - 1
+    near = sources.ravel()[place].astype(np.intp)
+    covered = coverage.ravel()[place]
+    border = covered == 0
+    far, share = near.copy(), np.zeros(len(place))
+    far[border], share[border] = _other_sides(place[border], near[border], color, labels, sources, mask)
+    shares = np.column_stack([1.0 - covered - share, share])
+    return MixedPixels(
+        compact[place],
+        compact[np.column_stack([near, far])],
+        shares,
+        color.reshape(-1, 3)[place],
+    )
+
+
+def _other_sides(
+    place: Indices, near: Indices, color: FloatArray, labels: Labels, sources: Labels, mask: BoolArray
+) -> tuple[Indices, FloatArray]:
+    """Find the pure pixel of another material that, mixed with the near one, explains each pixel best, and its share."""
+    colors, materials = color.reshape(-1, 3), labels.ravel()
+    height, width = mask.shape
+    far, share = near.copy(), np.zeros(len(place))
+    least = np.full(len(place), OFF_MIXTURE**2)
+    own, start, material = colors[place], colors[near], materials[near]
+    rows, columns = np.divmod(place, width)
+    for down in range(-REACH, REACH + 1):
+        for along in range(-REACH, REACH + 1):
+            row, column = np.clip(rows + down, 0, height - 1), np.clip(columns + along, 0, width - 1)
+            source = sources.ravel()[row * width + column].astype(np.intp)
+            other = np.where(source >= 0, source, near)
+            away = colors[other] - start
+            square = np.einsum("nc,nc->n", away, away)
+            part = np.einsum("nc,nc->n", own - start, away) / np.maximum(square, 1e-9)
+            part = np.clip(part, 0.0, 1.0)
+            off = own - start - part[:, None] * away
+            miss = np.einsum("nc,nc->n", off, off)
+            better = (materials[other] != material) & (square > LEAST_APART**2) & (miss < least)
+            least[better], far[better], share[better] = miss[better], other[better], part[better]
+    return far, share

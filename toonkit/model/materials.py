@@ -1,0 +1,51 @@
+"""Materials: which parts of a drawing are painted with the same ramp of colors, and those ramps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toonkit._validation import BoolArray, FloatArray
+from toonkit.model.color_map import ColorMap
+
+
+@dataclass(frozen=True, eq=False)
+class Materials:
+    """
+    The materials of a drawing; those that were found stand in the order of their area, the largest first.
+
+    Attributes
+    ----------
+    labels : ndarray of int, shape (H, W)
+        Material of each pixel, -1 outside the mask. Under ink it is that of the paint beside it.
+    tones : tuple of ndarray, shape (k, 3)
+        For each material its colors, sRGB in [0, 1], darkest first. A gradient has many.
+    flat : ndarray of bool, shape (count,)
+        Which materials say nothing about illumination: they are painted in one tone, or are too small to tell.
+    color_maps : tuple of ColorMap
+        For each material its color map, once a shape and a light are known; empty before. That of a flat material is not
+        read from the drawing but derived: see `toonkit.illustration.flat_shading`.
+    """
+
+    labels: NDArray[np.intp]
+    tones: tuple[FloatArray, ...]
+    flat: BoolArray
+    color_maps: tuple[ColorMap, ...] = ()
+
+    @classmethod
+    def single(cls, mask: BoolArray, color_map: ColorMap) -> Materials:
+        """Return the one material of an object (H, W) that is painted with one color map."""
+        labels = np.where(mask, 0, -1).astype(np.intp)
+        return cls(labels, (color_map.colors[[0, -1]],), np.zeros(1, np.bool_), (color_map,))
+
+    @property
+    def count(self) -> int:
+        """How many materials there are."""
+        return len(self.tones)
+
+    @property
+    def base_tones(self) -> FloatArray:
+        """Color that each material has as a whole, sRGB, shape (count, 3): the mean of its tones."""
+        return np.array([tones.mean(axis=0) for tones in self.tones])
