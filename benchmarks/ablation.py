@@ -27,6 +27,7 @@ from toonkit.methods import Method
 from toonkit.methods.steps import inflate_drawing
 from toonkit.methods.toonkit import OPTIONS
 from toonkit.model.color_map import ColorMap
+from toonkit.model.materials import Materials
 from toonkit.numerics.report import NOT_REFINED
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.contestants import Contestant
@@ -82,7 +83,8 @@ def varied(
         steps.drawing.islands, corrected, steps.light, allowed,
         painted=painted_interval(steps.drawing.tones, color_map, allowed), options=options,
     )  # fmt: skip
-    return replace(steps.finish("varied", refinement), color_map=color_map)
+    analysis = steps.finish("varied", refinement)
+    return replace(analysis, materials=Materials.single(steps.drawing.mask, color_map))
 
 
 def measured(

@@ -266,7 +266,7 @@ def test_a_line_along_a_contour_ties_the_side_that_is_lit_as_a_rim():
     contours = interior_contours.lines_found(drawing, RIGHT)
     assert contours is not None
     tied = contours.outward.any(axis=1)
-    assert tied.sum() > 60
+    assert tied.sum() > 30
     agree = np.einsum("pc,pc->p", contours.outward[tied], shape.normals.vectors[image.mask][tied][:, :2])
     assert np.mean(agree > 0.7) > 0.9
     errors = [

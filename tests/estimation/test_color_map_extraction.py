@@ -36,9 +36,8 @@ def test_a_stroke_along_the_gradient_gives_its_colors_back_in_order() -> None:
 
 def test_the_order_of_pixels_under_a_stroke_does_not_matter() -> None:
     picture = graded_picture()
-    shuffled = np.random.default_rng(3).permutation(40)
-    mixed = ToonImage(picture.color[:, shuffled], picture.mask)
-    found = extract_color_map(mixed, row_stroke(40, 30))
+    mirrored = ToonImage(picture.color[:, ::-1], picture.mask)
+    found = extract_color_map(mirrored, row_stroke(40, 30))
     assert np.array_equal(found.colors, extract_color_map(picture, row_stroke(40, 30)).colors)
 
 

@@ -69,7 +69,11 @@ HIDDEN = 1.35
 """Cost of a step of lightness up to which the tones below and above may be one ramp though they do not touch."""
 
 STEP = 0.06
-"""Lightness by which a spot is darker than what encloses it, at least."""
+"""Lightness by which a spot differs from what encloses it, at least."""
+
+UNLIKE, NO_HIGHLIGHT = 1.3, 0.55
+"""Cost from which a bright spot is no shade of what encloses it, and by how many standard deviations of its illumination a
+highlight faces the light more, at least."""
 
 Groups = NDArray[np.intp]
 
@@ -115,7 +119,7 @@ def join_tones(tones: Tones, facing: Facing | None) -> Groups:
         Material of each tone, in no particular order.
     """
     if facing is not None:
-        spots = _spots(tones)
+        spots = _spots(tones, facing)
         others = np.flatnonzero(~spots)
         if is_one_ramp(tones.only(others), facing.only(others)):
             return np.where(spots, np.arange(len(spots)), others[0])
@@ -181,11 +185,22 @@ def _enclosed(tones: Tones) -> Matrix:
     return (tones.contact - tones.smooth) / np.maximum(tones.perimeter, 1.0)[:, None]
 
 
-def _spots(tones: Tones) -> BoolArray:
-    """Find the dark tones (n,) that a single brighter one encloses without a smooth passage."""
-    large = tones.area > LARGE * tones.area.sum()
+def _spots(tones: Tones, facing: Facing) -> BoolArray:
+    """Find the tones (n,) that a single other one encloses without a smooth passage, and that are no light or shadow on it.
+
+    Shadows reach silhouettes. Light has the color of what it falls on, or lies where that faces it.
+    """
+    area = tones.area.astype(np.float64)
+    large = area > LARGE * area.sum()
     rise = tones.lab[None, :, 0] - tones.lab[:, None, 0]
-    spots: BoolArray = ((rise > STEP) & (_enclosed(tones) > SPOT[1]) & large & large[:, None]).any(axis=1)
+    enclosed = np.where(large & large[:, None], _enclosed(tones), 0.0)
+    _, light = _explained_by_normals(tones.lab[:, 0], area, facing)
+    mean = facing.sums @ light / area
+    variance = np.maximum(np.einsum("nij,i,j->n", facing.moments, light, light) / area - mean**2, 1e-6)
+    apart = (mean[:, None] - mean) / np.sqrt((variance[:, None] + variance) / 2)
+    dark = (rise > STEP) & (enclosed > SPOT[1])
+    bright = (rise < -STEP) & (enclosed > SPOT[0]) & (apart < NO_HIGHLIGHT) & (shade_cost(tones.lab) > UNLIKE)
+    spots: BoolArray = (dark | bright).any(axis=1)
     return spots
 
 
