@@ -102,17 +102,17 @@ class ToonAnalysis:
                 detail = paint[own] - color_map(value[own])
                 size = np.einsum("pc,pc->p", detail, detail) / TEXTURE**2
                 paint[own] = color_map.colors[-1] + np.maximum(1.0 - size, 0.0)[:, None] * detail
-        return self._composed(np.clip(paint, 0.0, 1.0))
+        return self._composed(np.clip(paint, 0.0, 1.0), highlights=0.0)
 
     def intervals(self) -> IlluminationInterval:
         """Range of illumination that each pixel's painted color allows, (H, W) bounds, NaN outside the mask."""
         return self.drawing.interval(allowed_intervals(self.drawing, self.materials.color_maps))
 
-    def _composed(self, paint: FloatArray) -> ToonImage:
-        """Put other paint (P, 3) under the drawing's ink, and mix it where the drawing does."""
+    def _composed(self, paint: FloatArray, *, highlights: float = 1.0) -> ToonImage:
+        """Put other paint (P, 3) under the drawing's ink and highlights, and mix it where the drawing does."""
         mixed = self.drawing.mixed
-        change = paint[mixed.sources] - self.drawing.paint[mixed.sources]
-        paint[mixed.pixels] = mixed.over(change)
+        before, after = self.drawing.paint[mixed.sources], paint[mixed.sources]
+        paint[mixed.pixels] = mixed.over(before, after, highlights)
         color = np.full_like(self.image.color, np.nan)
         color[self.image.mask] = paint
         return ToonImage(color, self.image.mask, alpha=self.image.alpha)

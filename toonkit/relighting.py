@@ -19,6 +19,9 @@ DETAIL_RANGE = 0.15
 DETAIL_SIZE = 0.1
 """Color difference, in sRGB, up to which what the model leaves unexplained is texture; a larger one is a misplaced edge."""
 
+HIGHLIGHT_RANGE = 0.2
+"""Change of illumination over which a highlight fades."""
+
 FULL_TURN = np.deg2rad(12.0)
 """Turn of the light from which on flat materials show all of their derived shading."""
 
@@ -68,7 +71,8 @@ def relight(
     A flat material of color b becomes c' = c + s (M(I') - b), where s grows from 0 to `flat_shading` as the light turns
     by `FULL_TURN`: its shadows come in softly.
     Pixels that the object touches without filling them move as the nearest object pixel does. Line art stays as it is
-    drawn: what it covers in part changes for the rest, and so does what two materials share.
+    drawn: what it covers in part changes for the rest, and so does what two materials share. A highlight moves with the
+    paint that it lies on, and fades as w does for a small d, with r = `HIGHLIGHT_RANGE`.
     """
     of_type("analysis", analysis, ToonAnalysis)
     light = direction_of("new_light", new_light)
@@ -83,11 +87,20 @@ def relight(
     )  # fmt: skip
     mixed = drawing.mixed
     sources = drawing.places(mixed.sources)
-    color[drawing.places(mixed.pixels)] = mixed.over(color[sources] - image.color[sources])
+    place = drawing.places(mixed.pixels)
+    left = highlights_left(analysis.normals.vectors[place] @ (light - analysis.light))
+    color[place] = mixed.over(image.color[sources], color[sources], left)
     fringe = color[image.fringe_sources]
     if keep_detail:
         fringe = np.clip(fringe + image.fringe_colors - image.color[image.fringe_sources], 0.0, 1.0)
     return ToonImage.like(image, color, fringe)
+
+
+def highlights_left(change: FloatArray) -> FloatArray:
+    """How much of a highlight stays, 0 to 1, where the illumination of what it lies on changes by some amount (n,)."""
+    turn = change / (2.0 * HIGHLIGHT_RANGE)
+    left: FloatArray = np.maximum(1.0 - turn * turn, 0.0) ** 4
+    return left
 
 
 def turn_share(light: FloatArray, new_light: FloatArray) -> float:

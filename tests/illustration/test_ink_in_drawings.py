@@ -156,7 +156,8 @@ def test_ink_over_its_own_paint_is_the_drawing(ball):
     image = struck_out(outlined(painted(ball.normals, SOFT), 3.0), ball)
     mixed = prepare(image).mixed
     assert len(mixed.pixels) > 500
-    assert np.allclose(mixed.over(np.zeros((len(mixed.pixels), 2, 3))), mixed.drawn, rtol=0, atol=1e-15)
+    paint = np.ones((len(mixed.pixels), 2, 3))
+    assert np.allclose(mixed.over(paint, paint), mixed.drawn, rtol=0, atol=1e-15)
 
 
 def test_a_silhouette_that_the_frame_cuts_off_on_one_side_shows_no_ink(ball):

@@ -122,7 +122,9 @@ class PreparedDrawing:
     def mixed(self) -> MixedPixels:
         """The pixels that show ink, or the paint of two materials."""
         frame, found = self._frame, self._found
-        return mixtures(frame.color, self.ink.coverage, found.labels, found.sources, frame.mask)
+        return mixtures(
+            frame.color, self.ink.coverage, found.labels, found.sources, found.highlights, frame.mask
+        )
 
     def places(self, pixels: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Row and column, in the picture, of some of the object's pixels."""

@@ -17,6 +17,7 @@ from scipy import ndimage
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.illustration.filling import Labels, nearest_sources
 from toonkit.illustration.frame import Frame
+from toonkit.illustration.highlights import highlight_hosts
 from toonkit.illustration.ink import PAINT
 from toonkit.illustration.mixed_pixels import REACH
 from toonkit.illustration.ramps import Facing, Groups, is_one_ramp, join_tones
@@ -42,14 +43,17 @@ class FoundMaterials:
     sources : ndarray of int32, shape (h, w)
         Flat index of the pixel whose paint each shows: its own, or that of a pixel nearby where ink covers it or where it is
         mixed with the paint of another material.
+    highlights : ndarray of bool, shape (h, w)
+        Pixels that show a highlight on their material.
     tones : tuple of ndarray, shape (k, 3)
-        For each material its colors, sRGB in [0, 1], darkest first.
+        For each material its colors, sRGB in [0, 1], darkest first, without those of highlights.
     flat : ndarray of bool, shape (count,)
         Which are painted in one tone, or are details.
     """
 
     labels: Labels
     sources: Labels
+    highlights: BoolArray
     tones: tuple[FloatArray, ...]
     flat: BoolArray
 
@@ -85,24 +89,30 @@ def label_materials(
         paint = frame.mask
     zones = find_zones(frame.lab, paint)
     tones = find_tones(zones)
-    if labels is None:
-        facing = None if normals is None else _facing(tones, normals, inked=bool((coverage > 0).any()))
-        known = _numbered(tones, join_tones(tones, facing))
+    lit = np.zeros_like(frame.mask)
+    told = (
+        np.full_like(tones.labels, -1)
+        if labels is None
+        else np.where(frame.mask, labels, -1).astype(np.int32)
+    )
+    if (told[frame.mask] >= 0).all():
+        known = np.where(paint, told, -1)
     else:
-        known = np.where(paint, labels, -1).astype(np.int32)
-        if not (known >= 0).any():
-            known = labels.astype(np.int32)
+        facing = None if normals is None else _facing(tones, normals, inked=bool((coverage > 0).any()))
+        known, lit = _numbered(tones, join_tones(tones, facing))
+        known, lit = _completed(told, known), lit & (told < 0)
     source = _everywhere(nearest_sources(known >= 0, frame.lab, frame.mask), frame.mask)
     own = np.arange(source.size, dtype=np.int32).reshape(source.shape)
-    whole = np.where(frame.mask, known.ravel()[source], -1)
+    whole = np.where(told >= 0, told, np.where(frame.mask, known.ravel()[source], -1))
     pure = zones.sources.ravel()[source]
     pure = np.where(pure >= 0, pure, source)
+    lit, pure = _under_highlights(lit, pure, source, zones.sources == own, frame)
     # Between two tones of one material lies nothing but their own mixture.
-    alone = paint & ~_beside_another(whole, frame.mask)
-    colors = _colors(frame, tones, whole)
+    alone = paint & ~lit & ~_beside_another(whole, frame.mask)
+    colors = _colors(frame, tones, np.where(lit, -1, whole))
     area = np.bincount(whole[whole >= 0], minlength=len(colors))
     flat = np.array([len(shades) == 1 for shades in colors]) | (area < DETAIL * area.sum())
-    return FoundMaterials(whole, np.where(alone, own, pure), colors, flat)
+    return FoundMaterials(whole, np.where(alone, own, pure), lit, colors, flat)
 
 
 def shows_one_ramp(frame: Frame, normals: FloatArray) -> bool:
@@ -140,15 +150,46 @@ def _beside_another(labels: Labels, mask: BoolArray) -> BoolArray:
     return beside
 
 
-def _numbered(tones: Tones, group: Groups) -> Labels:
-    """Assign numbers to the materials of pixels by area, the largest first, and among equal ones the darker first."""
+def _completed(told: Labels, found: Labels) -> Labels:
+    """Take the materials that somebody named, and number those found where nobody did after them."""
+    if not (told >= 0).any():
+        return found
+    left = (told < 0) & (found >= 0)
+    numbers = np.unique(found[left])
+    known = np.where(found >= 0, told, -1)
+    known[left] = told.max() + 1 + np.searchsorted(numbers, found[left])
+    return known
+
+
+def _under_highlights(
+    lit: BoolArray, pure: Labels, source: Labels, unmixed: BoolArray, frame: Frame
+) -> tuple[BoolArray, Labels]:
+    """Give the pixels of highlights, and those mixed with one, the sources of the paint around."""
+    if not lit.any():
+        return lit, pure
+    lit = frame.mask & lit.ravel()[source]
+    lit |= ~unmixed & frame.mask & ndimage.maximum_filter(lit, 2 * REACH + 1)
+    around = nearest_sources(unmixed & ~lit & frame.mask, frame.lab, lit)
+    return lit, np.where(lit & (around >= 0), around, pure)
+
+
+def _numbered(tones: Tones, group: Groups) -> tuple[Labels, BoolArray]:
+    """
+    Assign numbers to the materials of pixels by area, the largest first, and among equal ones the darker first.
+
+    The other array marks the pixels of highlights, which belong to the material that they lie on.
+    """
     _, which = np.unique(group, return_inverse=True)
+    host = highlight_hosts(tones, which)
+    lit = host[which] >= 0
+    _, which = np.unique(np.where(lit, host[which], which), return_inverse=True)
     area = np.bincount(which, tones.area)
     darkest = np.full(len(area), len(group))
     np.minimum.at(darkest, which, np.arange(len(group)))
     rank = np.argsort(np.lexsort((darkest, -area)))[which]
-    labels: Labels = np.where(tones.labels >= 0, rank[tones.labels], -1).astype(np.int32)
-    return labels
+    painted = tones.labels >= 0
+    labels: Labels = np.where(painted, rank[tones.labels], -1).astype(np.int32)
+    return labels, painted & lit[tones.labels]
 
 
 def _colors(frame: Frame, tones: Tones, labels: Labels) -> tuple[FloatArray, ...]:

@@ -37,21 +37,45 @@ class MixedPixels:
         How much of each it shows, 0 to 1; the rest is ink.
     drawn : ndarray, shape (n, 3)
         Colors as drawn, sRGB in [0, 1].
+    highlit : ndarray of bool, shape (n,)
+        Which of them show a highlight over the paint.
     """
 
     pixels: Indices
     sources: Indices
     shares: FloatArray
     drawn: FloatArray
+    highlit: BoolArray
 
-    def over(self, change: FloatArray) -> FloatArray:
-        """Return the colors (n, 3) once the paint of the first and second sources has changed by (n, 2, 3)."""
-        colors: FloatArray = np.clip(self.drawn + np.einsum("nk,nkc->nc", self.shares, change), 0.0, 1.0)
-        return colors
+    def over(self, before: FloatArray, after: FloatArray, left: FloatArray | float = 1.0) -> FloatArray:
+        """
+        Return the colors on other paint.
+
+        Parameters
+        ----------
+        before, after : ndarray, shape (n, 2, 3)
+            Paint of the sources, sRGB: as drawn, and what it has become.
+        left : ndarray, shape (n,), or float, optional
+            How much of a highlight is left, 0 to 1.
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+            sRGB in [0, 1].
+        """
+        colors: FloatArray = self.drawn + np.einsum("nk,nkc->nc", self.shares, after - before)
+        gone = np.where(self.highlit, 1.0 - np.asarray(left), 0.0)
+        colors -= gone[:, None] * (self.drawn - before[:, 0])
+        return np.clip(colors, 0.0, 1.0)
 
 
 def mixtures(
-    color: FloatArray, coverage: FloatArray, labels: Labels, sources: Labels, mask: BoolArray
+    color: FloatArray,
+    coverage: FloatArray,
+    labels: Labels,
+    sources: Labels,
+    highlights: BoolArray,
+    mask: BoolArray,
 ) -> MixedPixels:
     """
     Unmix the pixels of an object.
@@ -66,6 +90,8 @@ def mixtures(
         Their materials.
     sources : ndarray of int, shape (h, w)
         Flat index of the pixel whose paint each shows; its own where it is pure.
+    highlights : ndarray of bool, shape (h, w)
+        Pixels that show a highlight.
     mask : ndarray of bool, shape (h, w)
         The object; False within `REACH` of the border of the array is not needed, within one pixel it is.
 
@@ -79,7 +105,8 @@ def mixtures(
     compact = np.cumsum(mask.ravel()) - 1
     near = sources.ravel()[place].astype(np.intp)
     covered = coverage.ravel()[place]
-    border = covered == 0
+    highlit = highlights.ravel()[place] & (covered == 0)
+    border = (covered == 0) & ~highlit
     far, share = near.copy(), np.zeros(len(place))
     far[border], share[border] = _other_sides(place[border], near[border], color, labels, sources, mask)
     shares = np.column_stack([1.0 - covered - share, share])
@@ -88,6 +115,7 @@ def mixtures(
         compact[np.column_stack([near, far])],
         shares,
         color.reshape(-1, 3)[place],
+        highlit,
     )
 
 

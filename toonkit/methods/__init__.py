@@ -93,7 +93,8 @@ def analyze(
     ------
     ToonkitError
         If the method is unknown, the image is neither a `ToonImage` nor a file that can be read, the light or the materials
-        are refused, or the previous analysis is of another mask.
+        are refused, the previous analysis is of another mask, or the drawing shows nothing but lines and no materials are
+        given.
 
     Examples
     --------
@@ -119,6 +120,12 @@ def analyze(
         drawing = prepare(image, materials=materials)
         if previous is not None:
             same_mask("previous", previous.image.mask, drawing.mask, "the picture")
+    if materials is None and drawing.ink.only_lines:
+        raise refuse(
+            "image",
+            "must show paint, or come with its materials; no shading found",
+            "a drawing of lines alone",
+        )
     options: dict[str, Any] = {} if previous is None else {"previous": previous}
     with single_threaded_blas():
         if direction is not None:
