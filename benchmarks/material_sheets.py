@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 import toonkit
-from toonkit.model.oklab import oklab_to_srgb
+from toonkit.export.label_picture import label_picture
 
 TILE = 320
 """Pixels along each side of a picture on a sheet."""
@@ -17,7 +17,6 @@ TILE = 320
 _GAP = 8
 _COLUMNS = 3
 _GROUND = (238, 236, 231)
-_GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 
 
 def sheet(
@@ -29,7 +28,7 @@ def sheet(
     """Return a sheet (H, W, 3): input, regions and base colors in the first row, then the relit pictures."""
     pictures = [
         image.to_rgba(),
-        region_colors(labels),
+        label_picture(labels),
         base.to_rgba(),
         *(picture.to_rgba() for picture in relit),
     ]
@@ -47,18 +46,3 @@ def sheet(
         top = _GAP + row * step + (TILE - picture.height) // 2
         whole.paste(picture, (left, top), picture)
     return np.asarray(whole).copy()
-
-
-def region_colors(labels: NDArray[np.int64]) -> NDArray[np.uint8]:
-    """Return regions (H, W) as RGBA: a color each, that of neighboring numbers far apart; transparent at -1."""
-    count = int(labels.max()) + 1
-    turn = np.arange(count) * _GOLDEN_ANGLE
-    lightness = 0.55 + 0.3 * (np.arange(count) % 3) / 2
-    colors = np.clip(
-        oklab_to_srgb(np.column_stack([lightness, 0.13 * np.cos(turn), 0.13 * np.sin(turn)])), 0, 1
-    )
-    inside = labels >= 0
-    rgba = np.zeros((*labels.shape, 4), np.uint8)
-    rgba[inside, :3] = np.round(colors[labels[inside]] * 255)
-    rgba[inside, 3] = 255
-    return rgba

@@ -16,6 +16,7 @@ import toonkit
 from toonkit import ColorMap, NormalField, load_image, relight
 from toonkit.cli import METHOD_NAMES, main
 from toonkit.export.archive import load_analysis
+from toonkit.export.label_picture import read_labels
 from toonkit.export.picture import write_picture
 
 SIZE, RADIUS = 48, 20.0
@@ -67,8 +68,8 @@ def test_a_report_says_how_the_analysis_went(analyzed, drawing):
     report = report_in(analyzed)
     assert report["drawing"] == str(drawing)
     assert report["method"] == "toonkit"
-    assert report["light_source"] == "given"
-    assert report["light_confidence"] is None
+    assert report["light"]["source"] == "given"
+    assert report["light"]["confidence"] is None
     assert report["picture"]["mask_pixels"] == int(load_image(drawing).mask.sum())
     assert 0 <= report["input_fit_rmse"] < 0.5
     assert report["solver"]["reason"]
@@ -86,8 +87,8 @@ def test_without_a_light_one_is_estimated(drawing, tmp_path, capsys):
     assert main(["analyze", str(drawing), "-o", str(tmp_path)]) == 0
     report = report_in(tmp_path)
     estimate = toonkit.estimate_light(load_image(drawing))
-    assert report["light_source"] == "estimated"
-    assert report["light_confidence"] == pytest.approx(estimate.confidence)
+    assert report["light"]["source"] == "estimated"
+    assert report["light"]["confidence"] == pytest.approx(estimate.confidence)
     assert report["light"]["vector"] == pytest.approx(estimate.light)
     assert "estimated, confidence" in capsys.readouterr().out
 
@@ -104,13 +105,13 @@ def test_an_estimate_that_explains_little_is_called_a_guess(drawing, tmp_path, m
 def test_line_art_is_mentioned_where_there_is_some(drawing, tmp_path, capsys):
     image = load_image(drawing)
     row, column = np.indices((SIZE, SIZE))
-    outline = np.hypot(column - 23.5, row - 23.5) > RADIUS - 2.5
+    outline = np.hypot(column - 23.5, row - 23.5) > RADIUS - 2
     write_picture(
         toonkit.ToonImage(np.where(outline[..., None], 0.02, image.color), image.mask), tmp_path / "a.png"
     )
     for path, share in ((tmp_path / "a.png", outline[image.mask].mean()), (drawing, 0.0)):
         assert main(["analyze", str(path), "--light", "135,45", "-o", str(tmp_path / "out")]) == 0
-        assert report_in(tmp_path / "out")["picture"]["line_art_share"] == pytest.approx(share, abs=0.02)
+        assert report_in(tmp_path / "out")["picture"]["ink_share"] == pytest.approx(share, abs=0.02)
         assert ("line art: " in capsys.readouterr().out) == (share > 0)
 
 
@@ -130,6 +131,71 @@ def test_a_mask_can_be_given(drawing, tmp_path):
     out, mask_file = tmp_path / "out", tmp_path / "mask.png"
     assert main(["analyze", str(drawing), "--light", "135,45", "--mask", str(mask_file), "-o", str(out)]) == 0
     assert report_in(out)["picture"]["mask_pixels"] == mask.sum()
+
+
+@pytest.fixture(scope="module")
+def labels(drawing, tmp_path_factory):
+    """A label picture of the drawing: its left and its right half, the latter smaller, and a spot in one tone."""
+    mask = load_image(drawing).mask
+    colors = np.zeros((SIZE, SIZE, 4), np.uint8)
+    colors[mask] = [200, 30, 30, 255]
+    colors[mask & (np.arange(SIZE) > 26)] = [30, 30, 200, 255]
+    colors[20:24, 14:18] = [30, 200, 30, 255]
+    path = tmp_path_factory.mktemp("labels") / "labels.png"
+    write_picture(colors, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def analyzed_in_materials(drawing, labels, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("materials") / "out"
+    names = [str(drawing), "--light", "135,45", "--materials", str(labels), "-o", str(folder)]
+    assert main(["analyze", *names, "--quiet"]) == 0
+    return folder
+
+
+def test_materials_can_be_given_as_a_picture(drawing, labels, analyzed_in_materials):
+    expected = toonkit.analyze(drawing, (135, 45), materials=read_labels(labels))
+    found = load_analysis(analyzed_in_materials / "analysis.npz")
+    assert found.materials.count == 3
+    assert np.array_equal(found.materials.labels, expected.materials.labels)
+    assert np.array_equal(found.normals.vectors, expected.normals.vectors, equal_nan=True)
+    assert len(report_in(analyzed_in_materials)["materials"]) == 3
+
+
+def test_the_picture_of_materials_that_was_written_can_be_given_again(
+    drawing, analyzed_in_materials, tmp_path
+):
+    materials = analyzed_in_materials / "materials.png"
+    names = [str(drawing), "--light", "135,45", "--materials", str(materials), "-o", str(tmp_path)]
+    assert main(["analyze", *names]) == 0
+    assert (tmp_path / "materials.png").read_bytes() == materials.read_bytes()
+
+
+def test_analyze_says_how_many_materials_there_are_and_how_many_are_flat(drawing, labels, tmp_path, capsys):
+    analyze = ["analyze", str(drawing), "--light", "135,45", "-o", str(tmp_path)]
+    assert main(analyze) == 0
+    assert re.search(r"^materials: 1$", capsys.readouterr().out, flags=re.MULTILINE)
+    assert main([*analyze, "--materials", str(labels)]) == 0
+    assert re.search(r"^materials: 3, 1 of them flat$", capsys.readouterr().out, flags=re.MULTILINE)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.4])
+def test_relight_shades_flat_materials_as_much_as_is_asked(analyzed_in_materials, tmp_path, share):
+    relit, orbit = tmp_path / "relit.png", tmp_path / "orbit.png"
+    options = ["--flat-shading", str(share)]
+    assert main(["relight", str(analyzed_in_materials), "--light", "-30,50", "-o", str(relit), *options]) == 0
+    analysis = load_analysis(analyzed_in_materials / "analysis.npz")
+    with Image.open(relit) as found:
+        assert np.array_equal(np.asarray(found), relight(analysis, NEW_LIGHT, flat_shading=share).to_rgba())
+    assert (
+        main(["relight", str(analyzed_in_materials), "--orbit", str(orbit), "--frames", "2", *options]) == 0
+    )
+    with Image.open(orbit) as found:
+        found.seek(1)
+        expected = relight(analysis, (315, 45), flat_shading=share).to_rgba()
+        seen = expected[..., 3] > 0
+        assert np.abs(np.asarray(found.convert("RGBA")).astype(int) - expected)[seen].max() <= 1
 
 
 def test_quiet_says_nothing(drawing, tmp_path, capsys):
@@ -227,6 +293,12 @@ def test_help_is_given(arguments, capsys):
         ("analyze {drawing} -o {drawing}", "folder must be a folder"),
         ("analyze {drawing} --out={empty}", "folder must have a name"),
         ("analyze {drawing} -o {out} --mask {tmp}/nowhere.png", "mask must be an existing file"),
+        ("analyze {drawing} -o {out} --materials {tmp}/nowhere.png", "materials must be an existing file"),
+        ("analyze {drawing} -o {out} --materials {tmp}/a.jpg", r"materials must end in \.png or \.webp"),
+        (
+            "analyze {drawing} -o {out} --materials {analyzed}/color_map.png",
+            r"materials must have the size of the picture \(48, 48\); got \(32, 512\)",
+        ),
         ("analyze sample:nothing -o {out}", "drawing must be one of"),
         ("relight {tmp} --light 30,50 -o {tmp}/relit.png", "path must be an archive of an analysis"),
         ("relight {drawing} --light 30,50 -o {tmp}/relit.png", "path must be an undamaged archive"),
@@ -238,6 +310,16 @@ def test_help_is_given(arguments, capsys):
         ("relight {analyzed} --light 30,50 -o {out}/relit.png", "path must lie in an existing folder"),
         ("relight {analyzed} --orbit {tmp}/relit.mp4", r"path must end in \.gif"),
         ("relight {analyzed} --orbit {tmp}/relit.gif --frames 1", "frames must be a whole number"),
+        (
+            "relight {analyzed} --light 30,50 -o {tmp}/a.png --flat-shading 2",
+            "flat_shading must be .* got 2.0",
+        ),
+        (
+            "relight {analyzed} --light 30,50 -o {tmp}/a.png --flat-shading nan",
+            "flat_shading must be .* got nan",
+        ),
+        ("relight {analyzed} --orbit {tmp}/a.gif --flat-shading -1", "flat_shading must be .* got -1.0"),
+        ("relight {analyzed} --orbit {tmp}/a.gif --flat-shading dark", "invalid float value: 'dark'"),
         ("relight {analyzed} --orbit {tmp}/relit.gif --frames many", "invalid int value: 'many'"),
     ],
 )

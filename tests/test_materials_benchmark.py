@@ -11,7 +11,7 @@ import pytest
 import toonkit
 from benchmarks import materials
 from benchmarks.agreement import adjusted_rand_index, f1_score
-from benchmarks.material_sheets import TILE, region_colors, sheet
+from benchmarks.material_sheets import TILE, sheet
 from toonkit.metrics import picture_error
 from toonkit.model.decoding import read_pixels
 from toonkit.synthetic.drawing import draw_scene
@@ -146,9 +146,3 @@ def test_a_sheet_shows_input_regions_base_and_every_light():
     assert all(np.ptp(tile) > 50 for tile in tiles)
     assert np.array_equal(tiles[0], tiles[2])
     assert not np.array_equal(tiles[0], tiles[1])
-
-
-def test_regions_have_a_color_each():
-    colors = region_colors(np.arange(-1, 8).reshape(3, 3))
-    assert colors[0, 0, 3] == 0
-    assert len(np.unique(colors.reshape(9, 4), axis=0)) == 9

@@ -1,9 +1,9 @@
-"""One analysis for the tests of what is written about it: a ball whose shape and colors are known."""
+"""Analyses for the tests of what is written about them: balls in one material and in several."""
 
 import numpy as np
 import pytest
 
-from toonkit import ColorMap, Materials, NormalField, ToonAnalysis, ToonImage, light_direction, shade
+from toonkit import ColorMap, Materials, NormalField, ToonAnalysis, ToonImage, analyze, light_direction, shade
 from toonkit.numerics.report import SolverReport
 
 SIZE = 48
@@ -36,3 +36,20 @@ def analysis():
         materials=Materials.single(mask, color_map),
         report=SolverReport(12, np.array([3.5, 1.25, 1.2]), "nothing was left to gain", converged=True),
     )
+
+
+@pytest.fixture(scope="session")
+def several():
+    """A ball in two shaded halves, with a spot in one tone and a soft outline in ink, under an estimated light."""
+    row, column = np.indices((80, 80))
+    x, y = (column - 39.5) / 36, (39.5 - row) / 36
+    alpha = np.clip(36 * (1 - np.hypot(x, y)) + 0.5, 0, 1)
+    light = light_direction(135, 40)
+    lit = x * light[0] + y * light[1] + np.sqrt(np.clip(1 - x**2 - y**2, 0, None)) * light[2] > 0.3
+    orange = np.where(lit[..., None], [1.0, 0.7, 0.3], [0.7, 0.3, 0.2])
+    blue = np.where(lit[..., None], [0.4, 0.7, 1.0], [0.2, 0.3, 0.7])
+    labels = np.where(x + y < 0.2, 0, 1)
+    labels[np.hypot(x + 0.3, y + 0.2) < 0.2] = 2
+    color = np.select([(labels == 0)[..., None], (labels == 1)[..., None]], [orange, blue], [0.3, 0.8, 0.4])
+    color[np.hypot(x, y) > 0.9] = [0.05, 0.02, 0.1]
+    return analyze(ToonImage(color, alpha >= 0.5, alpha=alpha), materials=labels)

@@ -74,6 +74,17 @@ def test_without_detail_only_the_model_is_painted(analysis, tmp_path):
     assert np.array_equal(frames[1], expected)
 
 
+def test_an_orbit_can_leave_flat_materials_flat(several, tmp_path):
+    for share, name in ((0, "flat.png"), (1, "shaded.png")):
+        write_orbit(several, tmp_path / name, frames=2, flat_shading=share)
+    spot = several.materials.labels == 2
+    (lit, opposite), (_, shaded) = (
+        frames_of(tmp_path / name)[0][:, spot, :3] for name in ("flat.png", "shaded.png")
+    )
+    assert np.array_equal(opposite, lit)
+    assert (shaded != lit).any()
+
+
 def test_a_place_that_cannot_be_written_to_costs_no_painting(analysis, tmp_path):
     painted = []
     with pytest.raises(ToonkitError, match="existing folder"):
@@ -98,6 +109,7 @@ def test_a_cancelled_orbit_leaves_no_file(analysis, tmp_path):
         ("orbit.gif", {"frames": 2.5}, "frames must be a whole number from 2 to 720"),
         ("orbit.gif", {"frames": 721}, "frames must be a whole number from 2 to 720"),
         ("orbit.gif", {"elevation": 91}, "elevation must lie in 0 to 90"),
+        ("orbit.gif", {"flat_shading": 1.5}, "flat_shading must be a number from 0 to 1; got 1.5"),
         ("orbit.gif", {"elevation": float("nan")}, "elevation must lie in 0 to 90"),
     ],
 )

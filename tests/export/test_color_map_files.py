@@ -1,13 +1,14 @@
 """Color maps come back from JSON exactly, and from a strip as well as eight bits allow."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from toonkit import ColorMap, ToonkitError
-from toonkit.export.color_map import STRIP_SIZE, read_color_map, write_color_map
+from toonkit.export.color_map import STRIP_SIZE, read_color_map, write_color_map, write_color_maps
 
 
 def test_json_holds_a_color_map_to_the_last_bit(tmp_path):
@@ -56,6 +57,48 @@ def test_a_strip_painted_by_anyone_is_a_color_map(tmp_path):
     assert found(1) == pytest.approx([240 / 255] * 3)
 
 
+def test_color_maps_are_listed_by_area_with_all_that_there_is_to_a_material(several, tmp_path):
+    write_color_maps(several.materials, tmp_path / "maps.json")
+    content = json.loads((tmp_path / "maps.json").read_text())
+    assert content["format"] == "toonkit color maps"
+    listed = content["color_maps"]
+    assert [each["label"] for each in listed] == [0, 1, 2]
+    assert [each["flat"] for each in listed] == [False, False, True]
+    shares = [each["share"] for each in listed]
+    assert shares == sorted(shares, reverse=True)
+    assert sum(shares) == pytest.approx(1)
+    for each, color_map in zip(listed, several.materials.color_maps, strict=True):
+        assert np.array_equal(each["colors"], color_map.colors)
+        assert tuple(each["domain"]) == color_map.domain
+
+
+def test_the_largest_material_comes_first_whatever_its_number(several, tmp_path):
+    materials = several.materials
+    turned = replace(
+        materials,
+        labels=np.where(materials.labels < 0, -1, 2 - materials.labels),
+        tones=materials.tones[::-1],
+        flat=materials.flat[::-1],
+        color_maps=materials.color_maps[::-1],
+    )
+    write_color_maps(turned, tmp_path / "turned.json")
+    listed = json.loads((tmp_path / "turned.json").read_text())["color_maps"]
+    assert [each["label"] for each in listed] == [2, 1, 0]
+    for name, which in (("maps.png", materials), ("turned.png", turned)):
+        write_color_maps(which, tmp_path / name)
+    assert (tmp_path / "maps.png").read_bytes() == (tmp_path / "turned.png").read_bytes()
+
+
+def test_strips_of_several_materials_are_those_of_each_in_one_picture(several, tmp_path):
+    write_color_maps(several.materials, tmp_path / "maps.png")
+    with Image.open(tmp_path / "maps.png") as strips:
+        found = np.split(np.asarray(strips), several.materials.count)
+    for color_map, strip in zip(several.materials.color_maps, found, strict=True):
+        write_color_map(color_map, tmp_path / "map.png")
+        with Image.open(tmp_path / "map.png") as expected:
+            assert np.array_equal(strip, np.asarray(expected))
+
+
 @pytest.mark.parametrize(
     ("name", "content", "reason"),
     [
@@ -72,6 +115,11 @@ def test_a_strip_painted_by_anyone_is_a_color_map(tmp_path):
             "map.json",
             '{"format": "toonkit color map", "version": 1, "domain": [1, -1], "colors": [[0, 0, 0]]}',
             "must hold colors and a domain .*lo < hi",
+        ),
+        (
+            "map.json",
+            '{"format": "toonkit color maps", "version": 1}',
+            "must be a color map written by toonkit",
         ),
         ("map.txt", "", r"must end in \.png or \.json"),
         ("map.png", "no picture", "must be a PNG"),

@@ -97,7 +97,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and stop")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", title="commands")
 
-    analyze = commands.add_parser("analyze", help="take a drawing apart into light, normals and color map")
+    analyze = commands.add_parser("analyze", help="take a drawing apart into light, shape and colors")
     analyze.add_argument(
         "drawing", help=f"picture file, or {SAMPLE_PREFIX}NAME for a drawing that toonkit ships"
     )
@@ -113,6 +113,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     analyze.add_argument(
         "--mask", metavar="FILE", help="picture that is white (or opaque) where the object is"
+    )
+    analyze.add_argument(
+        "--materials",
+        metavar="FILE",
+        help="label picture of the drawing's size, .png or .webp: each color is one material, transparent pixels are "
+        "unknown; by default the materials are found",
     )
     analyze.add_argument(
         "--method", choices=METHOD_NAMES, default="toonkit", help="estimator (default: toonkit)"
@@ -136,7 +142,15 @@ def _parser() -> argparse.ArgumentParser:
     relight.add_argument(
         "--model-only",
         action="store_true",
-        help="paint with the color map alone, without the drawing's own detail",
+        help="paint with the color maps alone, without the drawing's own detail",
+    )
+    relight.add_argument(
+        "--flat-shading",
+        type=float,
+        default=1.0,
+        metavar="S",
+        help="how much materials painted in one tone answer to the light: 0 leaves them as drawn, 1 (default) shades "
+        "them as the drawing shades the others",
     )
     relight.add_argument("--quiet", action="store_true", help="no progress bar and no summary")
     relight.set_defaults(run=_relight)
@@ -160,21 +174,25 @@ def _joined_lights(argv: Sequence[str]) -> list[str]:
 
 def _analyze(arguments: argparse.Namespace) -> int:
     import toonkit  # noqa: PLC0415
+    from toonkit._validation import as_labels  # noqa: PLC0415
     from toonkit.export.folder import make_folder, write_analysis_folder  # noqa: PLC0415
+    from toonkit.export.label_picture import read_labels  # noqa: PLC0415
     from toonkit.metrics import color_rmse  # noqa: PLC0415
 
     given = None if arguments.light == "auto" else parse_light(arguments.light)
     with StepBar(visible=not arguments.quiet) as progress:
         progress("reading the drawing", 0.0)
         image = toonkit.load_image(_drawing(arguments.drawing), mask=arguments.mask)
+        materials = None
+        if arguments.materials is not None:
+            materials = as_labels("materials", read_labels(arguments.materials), image.mask)
         folder = make_folder(arguments.out)  # before the long work, so that a bad name costs no time
-        analysis = toonkit.analyze(image, given, method=arguments.method, progress=progress)
-        estimate = analysis.light_estimate
+        analysis = toonkit.analyze(
+            image, given, method=arguments.method, materials=materials, progress=progress
+        )
         progress("writing", 1.0)
         notes: dict[str, Any] = {
             "drawing": arguments.drawing,
-            "light_source": "estimated" if given is None else "given",
-            "light_confidence": None if estimate is None else float(estimate.confidence),
             "input_fit_rmse": float(color_rmse(analysis.picture, image)),
             "seconds": progress.seconds(),
         }
@@ -192,14 +210,18 @@ def _summarize(analysis: ToonAnalysis, drawing: str, folder: Path, notes: dict[s
     from toonkit.model.light import light_angles  # noqa: PLC0415
 
     azimuth, elevation = light_angles(analysis.light)
-    source = notes["light_source"]
-    if notes["light_confidence"] is not None:
-        source += f", confidence {notes['light_confidence']:.2f}"
+    estimate, materials = analysis.light_estimate, analysis.materials
+    source = "given" if estimate is None else f"estimated, confidence {estimate.confidence:.2f}"
     seconds = sum(notes["seconds"].values())
     print(f"{drawing}: {int(analysis.image.mask.sum()):,} pixels analyzed in {seconds:.1f} s")
     print(f"light: azimuth {round(azimuth) % 360}°, elevation {elevation:.0f}° ({source})")
-    if notes["light_confidence"] is not None and notes["light_confidence"] < UNSURE:
+    if estimate is not None and estimate.confidence < UNSURE:
         print("       this light is a guess; if you know where it was, say so with --light AZ,EL")
+    flat = int(materials.flat.sum())
+    if materials.count == 1:
+        print("materials: 1, flat" if flat else "materials: 1")
+    else:
+        print(f"materials: {materials.count}, {flat or 'none'} of them flat")
     if (share := ink_share(analysis.drawing)) > 0:
         print(f"line art: {100 * share:.1f} % of the drawing, which stays as drawn")
     print(f"written to {folder}:")
@@ -227,7 +249,8 @@ def _relight(arguments: argparse.Namespace) -> int:
     keep_detail = not arguments.model_only
     if light is not None:
         target = arguments.out
-        write_picture(relight(analysis, light, keep_detail=keep_detail), target)
+        relit = relight(analysis, light, keep_detail=keep_detail, flat_shading=arguments.flat_shading)
+        write_picture(relit, target)
     else:
         target = arguments.orbit
         with StepBar(visible=not arguments.quiet) as progress:
@@ -237,6 +260,7 @@ def _relight(arguments: argparse.Namespace) -> int:
                 frames=arguments.frames,
                 elevation=arguments.elevation,
                 keep_detail=keep_detail,
+                flat_shading=arguments.flat_shading,
                 progress=lambda fraction: progress("painting frames", fraction),
             )
     if not arguments.quiet:

@@ -34,6 +34,7 @@ def write_orbit(
     frames: int = 36,
     elevation: float | None = None,
     keep_detail: bool = True,
+    flat_shading: float = 1.0,
     progress: Callable[[float], None] | None = None,
 ) -> None:
     """
@@ -51,6 +52,8 @@ def write_orbit(
     elevation : float, optional
         Degrees, 0 to 90; by default that of the analyzed light, kept within 15 to 60.
     keep_detail : bool, optional
+        As in `relight`.
+    flat_shading : float, optional
         As in `relight`.
     progress : callable, optional
         Called with the fraction done, 0..1, after each frame.
@@ -75,7 +78,8 @@ def write_orbit(
     azimuths = azimuth + np.arange(frames) * (360 / frames)
 
     def picture(index: int) -> Image.Image:
-        relit = relight(analysis, light_direction(float(azimuths[index]), elevation), keep_detail=keep_detail)
+        light = light_direction(float(azimuths[index]), elevation)
+        relit = relight(analysis, light, keep_detail=keep_detail, flat_shading=flat_shading)
         return Image.fromarray(relit.to_rgba())
 
     def pictures() -> Iterator[Image.Image]:

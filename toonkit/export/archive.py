@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from toonkit._validation import BoolArray, FloatArray, ToonkitError, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.light_fit import LightEstimate
+from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
@@ -22,6 +23,9 @@ from toonkit.numerics.report import SolverReport
 
 FORMAT_VERSION = 2
 """Raised whenever an older toonkit could misread a newer archive."""
+
+ONE_MATERIAL_VERSION = 1
+"""Archives with one color map for the whole drawing, which are still read."""
 
 # What numpy raises for a file that is cut off, altered, a bare .npy array (no context manager) or pickled.
 _DAMAGED = (OSError, ValueError, EOFError, TypeError, AttributeError, zipfile.BadZipFile, zlib.error)
@@ -103,8 +107,8 @@ def load_analysis(path: PathLike) -> ToonAnalysis:
     if "format_version" not in fields:
         raise refuse("path", "must be an archive of an analysis", f"{path}, which holds {sorted(fields)}")
     version = fields["format_version"]
-    if version.shape != () or version != FORMAT_VERSION:
-        rule = f"must be of version {FORMAT_VERSION} (written by this toonkit)"
+    if version.shape != () or version not in (ONE_MATERIAL_VERSION, FORMAT_VERSION):
+        rule = f"must be of version {FORMAT_VERSION} (written by this toonkit) or {ONE_MATERIAL_VERSION}"
         raise refuse("path", rule, f"{path} of version {version}")
     try:
         return _assemble(fields)
@@ -115,18 +119,24 @@ def load_analysis(path: PathLike) -> ToonAnalysis:
 def _assemble(fields: dict[str, NDArray[Any]]) -> ToonAnalysis:
     mask, alpha = fields["mask"], fields["alpha"]
     confidence = float(fields.get("light_confidence", np.array(np.nan)))
+    image = ToonImage(
+        _spread(fields["color"], mask),
+        mask,
+        alpha=alpha,
+        fringe=_spread(fields["fringe"], (alpha > 0) & ~mask),
+    )
+    if fields["format_version"] == ONE_MATERIAL_VERSION:
+        domain = tuple(fields["color_map_domain"].tolist())
+        materials = Materials.single(mask, ColorMap(fields["color_map_colors"], domain))
+    else:
+        materials = _materials(fields, mask)
     return ToonAnalysis(
-        image=ToonImage(
-            _spread(fields["color"], mask),
-            mask,
-            alpha=alpha,
-            fringe=_spread(fields["fringe"], (alpha > 0) & ~mask),
-        ),
+        image=image,
         method=str(fields["method"]),
         light=fields["light"],
         normals=NormalField(_spread(fields["normals"], mask), mask),
         initial_normals=NormalField(_spread(fields["initial_normals"], mask), mask),
-        materials=_materials(fields, mask),
+        materials=materials,
         report=SolverReport(
             iterations=int(fields["report_iterations"]),
             energies=fields["report_energies"],
@@ -134,7 +144,15 @@ def _assemble(fields: dict[str, NDArray[Any]]) -> ToonAnalysis:
             converged=bool(fields["report_converged"]),
         ),
         light_estimate=None if np.isnan(confidence) else LightEstimate(fields["light"], confidence),
+        drawing=_drawing(image, materials),
     )
+
+
+def _drawing(image: ToonImage, materials: Materials) -> PreparedDrawing:
+    """Prepare a drawing again. Materials that toonkit finds are not given, or it would unmix what is beside ink anew."""
+    drawing = prepare(image)
+    found = np.array_equal(drawing.materials.labels, materials.labels)
+    return drawing if found else prepare(image, materials=materials.labels)
 
 
 def _material_fields(analysis: ToonAnalysis) -> dict[str, NDArray[Any]]:
@@ -151,22 +169,32 @@ def _material_fields(analysis: ToonAnalysis) -> dict[str, NDArray[Any]]:
 
 
 def _materials(fields: dict[str, NDArray[Any]], mask: BoolArray) -> Materials:
+    inside, flat = fields["material_labels"], fields["material_flat"]
+    if inside.shape != (int(mask.sum()),) or inside.dtype.kind != "i":
+        raise ValueError("its material labels are not one integer for each pixel of the object")
+    if flat.ndim != 1 or flat.dtype != np.bool_:
+        raise ValueError("it does not say which materials are flat")
+    if inside.min() < 0 or inside.max() >= len(flat):
+        raise ValueError(f"its material labels are not numbers from 0 to {len(flat) - 1}")
     labels = np.full(mask.shape, -1, np.intp)
-    labels[mask] = fields["material_labels"]
-    tones = _split(fields["material_tones"], fields["material_tone_counts"])
-    colors = _split(fields["color_map_colors"], fields["color_map_counts"])
+    labels[mask] = inside
+    tones = _split(fields["material_tones"], fields["material_tone_counts"], len(flat))
+    colors = _split(fields["color_map_colors"], fields["color_map_counts"], len(flat))
     domains = fields["color_map_domains"].tolist()
     return Materials(
         labels,
         tuple(tones),
-        fields["material_flat"],
+        flat,
         tuple(ColorMap(samples, tuple(domain)) for samples, domain in zip(colors, domains, strict=True)),
     )
 
 
-def _split(values: NDArray[Any], counts: NDArray[Any]) -> list[NDArray[Any]]:
-    """Cut rows (n, ...) into runs of some lengths."""
-    return np.split(values, np.cumsum(counts)[:-1])
+def _split(colors: NDArray[Any], counts: NDArray[Any], materials: int) -> list[NDArray[Any]]:
+    """Cut colors (n, 3) into those of each material."""
+    fits = counts.shape == (materials,) and counts.dtype.kind == "i" and (counts > 0).all()
+    if not fits or colors.shape != (counts.sum(), 3):
+        raise ValueError("its colors are not those of its materials")
+    return np.split(colors, np.cumsum(counts)[:-1])
 
 
 def _spread(values: FloatArray, where: BoolArray) -> FloatArray:

@@ -68,9 +68,9 @@ def atomic_write(path: PathLike) -> Iterator[BinaryIO]:
             temporary.unlink()
 
 
-def suffix_of(path: PathLike, allowed: tuple[str, ...]) -> str:
+def suffix_of(path: PathLike, allowed: tuple[str, ...], argument: str = "path") -> str:
     """Return the lower-case suffix of a path, refusing one that is not among those allowed."""
     suffix = Path(path).suffix.lower()
     if suffix not in allowed:
-        raise refuse("path", f"must end in {' or '.join(allowed)}", f"{path}")
+        raise refuse(argument, f"must end in {' or '.join(allowed)}", f"{path}")
     return suffix

@@ -12,6 +12,7 @@ from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.export.picture import encode_picture
 from toonkit.model.color_map import ColorMap
 from toonkit.model.decoding import read_pixels
+from toonkit.model.materials import Materials
 
 STRIP_SIZE = (32, 512)
 """Height and width of a strip in pixels."""
@@ -38,12 +39,43 @@ def write_color_map(color_map: ColorMap, path: PathLike) -> None:
         If the suffix is another or the file cannot be written.
     """
     suffix = suffix_of(path, (".png", ".json"))
+    content = _json("toonkit color map", **_samples(color_map)) if suffix == ".json" else _strips([color_map])
+    with atomic_write(path) as file:
+        file.write(content)
+
+
+def write_color_maps(materials: Materials, path: PathLike) -> None:
+    """
+    Write the color maps of several materials, that of the largest first.
+
+    Parameters
+    ----------
+    materials : Materials
+        Those of an analysis.
+    path : path
+        Ends in .json for a list of label, share of the object, whether it is flat, domain and samples of each; in .png for
+        the strips of `write_color_map`, one below the other.
+
+    Raises
+    ------
+    ToonkitError
+        If the suffix is another or the file cannot be written.
+    """
+    suffix = suffix_of(path, (".png", ".json"))
+    by_area = np.argsort(-materials.shares, kind="stable").tolist()
     if suffix == ".json":
-        content = json.dumps(_as_json(color_map)).encode() + b"\n"
+        listed = [
+            {
+                "label": label,
+                "share": float(materials.shares[label]),
+                "flat": bool(materials.flat[label]),
+                **_samples(materials.color_maps[label]),
+            }
+            for label in by_area
+        ]
+        content = _json("toonkit color maps", color_maps=listed)
     else:
-        height, width = STRIP_SIZE
-        row = np.round(color_map(np.linspace(-1.0, 1.0, width)) * 255).astype(np.uint8)
-        content = encode_picture(np.repeat(row[None], height, axis=0), suffix)
+        content = _strips([materials.color_maps[label] for label in by_area])
     with atomic_write(path) as file:
         file.write(content)
 
@@ -88,11 +120,17 @@ def read_color_map(path: PathLike) -> ColorMap:
         raise refuse("path", "must hold colors and a domain", f"{path} ({error})") from error
 
 
-def _as_json(color_map: ColorMap) -> dict[str, object]:
-    return {
-        "format": "toonkit color map",
-        "version": FORMAT_VERSION,
-        "encoding": "sRGB, 0 to 1",
-        "domain": list(color_map.domain),
-        "colors": color_map.colors.tolist(),
-    }
+def _json(kind: str, **content: object) -> bytes:
+    header = {"format": kind, "version": FORMAT_VERSION, "encoding": "sRGB, 0 to 1"}
+    return json.dumps({**header, **content}).encode() + b"\n"
+
+
+def _samples(color_map: ColorMap) -> dict[str, object]:
+    return {"domain": list(color_map.domain), "colors": color_map.colors.tolist()}
+
+
+def _strips(color_maps: list[ColorMap]) -> bytes:
+    """Return a PNG file of one strip for each color map, from top to bottom."""
+    height, width = STRIP_SIZE
+    rows = np.array([color_map(np.linspace(-1.0, 1.0, width)) for color_map in color_maps])
+    return encode_picture(np.repeat(np.round(rows * 255).astype(np.uint8), height, axis=0), ".png")

@@ -1,4 +1,4 @@
-"""contact_sheet: one picture that shows an analysis at a glance: input, normals, and relit pictures."""
+"""contact_sheet: one picture that shows an analysis at a glance: a drawing, the parts of its model, and relit pictures."""
 
 from __future__ import annotations
 
@@ -11,20 +11,26 @@ from PIL import Image, ImageDraw, ImageFont
 
 from toonkit._validation import FloatArray, as_light, refuse
 from toonkit.analysis import ToonAnalysis
+from toonkit.export.label_picture import label_picture
 from toonkit.model.color_map import ColorMap
 from toonkit.model.light import light_angles, light_direction
 from toonkit.model.normals import encode_normal_map
 from toonkit.relighting import relight
 
 STANDARD_LIGHTS: tuple[tuple[float, float], ...] = (
+    (180, 15),
     (135, 40),
     (45, 40),
-    (180, 15),
     (0, 15),
+    (225, 25),
     (270, 25),
+    (315, 25),
     (0, 90),
 )
-"""Azimuth and elevation, in degrees, of the lights shown by default: upper left to below, then frontal."""
+"""Azimuth and elevation, in degrees, of the lights shown by default: over the top, then below, then frontal."""
+
+MATTE = ColorMap(np.linspace(0.25, 0.95, 64)[:, None].repeat(3, axis=1), (-0.3, 1.0))
+"""Color map of the balls that show a light where many materials have one each."""
 
 _TILE = 264  # pixels, as all below
 _PADDING = 14
@@ -32,6 +38,7 @@ _GAP = 18
 _MARGIN = 28
 _CAPTION = 34
 _BALL_RADIUS = 21
+_LARGE_BALL_RADIUS = 96
 _CORNER = 10
 _CHECK = 11
 _FINER = 4  # supersampling of balls and rounded corners
@@ -59,7 +66,7 @@ def contact_sheet(
     analysis: ToonAnalysis, lights: Sequence[ArrayLike] | None = None, *, keep_detail: bool = True
 ) -> NDArray[np.uint8]:
     """
-    Lay out the input, its normal map and relit pictures on one sheet.
+    Lay out a drawing, what it was taken apart into, and relit pictures on one sheet.
 
     Parameters
     ----------
@@ -73,7 +80,8 @@ def contact_sheet(
     Returns
     -------
     ndarray, shape (H, W, 3)
-        uint8 sRGB. Each relit picture carries a ball painted with the color map under its light.
+        uint8 sRGB. The first row has the input, its materials or, where there is one, its color map on a ball, its base
+        color and its normals. Each relit picture carries a ball under its light, painted with the only color map, or gray.
 
     Raises
     ------
@@ -84,11 +92,17 @@ def contact_sheet(
     if not directions:
         raise refuse("lights", "must hold at least one light", "none")
     checked = [as_light("lights", light) for light in directions]
-    tiles = [_input_tile(analysis), _normal_tile(analysis)]
+    several = analysis.materials.count > 1
+    tiles = [
+        _input_tile(analysis),
+        _materials_tile(analysis) if several else _color_map_tile(analysis),
+        _Tile(_cropped(analysis, analysis.base_color.to_rgba()), "base color", "without shading", None),
+        _normal_tile(analysis),
+    ]
     for light in checked:
         relit = relight(analysis, light, keep_detail=keep_detail)
         tiles.append(_Tile(_cropped(analysis, relit.to_rgba()), "relit", _angles(light), light))
-    return _sheet(tiles, analysis.materials.color_maps[0])
+    return _sheet(tiles, MATTE if several else analysis.color_map)
 
 
 def _input_tile(analysis: ToonAnalysis) -> _Tile:
@@ -96,12 +110,28 @@ def _input_tile(analysis: ToonAnalysis) -> _Tile:
     return _Tile(picture, "input", _angles(analysis.light), np.asarray(analysis.light))
 
 
+def _materials_tile(analysis: ToonAnalysis) -> _Tile:
+    count, flat = analysis.materials.count, int(analysis.materials.flat.sum())
+    colors = label_picture(analysis.materials.labels)[..., :3]
+    return _Tile(_within_mask(analysis, colors), "materials", f"{count}, {flat or 'none'} flat", None)
+
+
+def _color_map_tile(analysis: ToonAnalysis) -> _Tile:
+    ball = _ball(analysis.light, analysis.color_map, _LARGE_BALL_RADIUS)
+    return _Tile(ball, "color map", "on a ball", None)
+
+
 def _normal_tile(analysis: ToonAnalysis) -> _Tile:
-    # Fringe pixels have no normal: the map ends where the mask does.
-    alpha = np.where(analysis.image.mask, analysis.image.alpha, 0.0)
     colors = encode_normal_map(analysis.normals).astype(np.uint8)
-    rgba = np.concatenate([colors, np.round(alpha[..., None] * 255).astype(np.uint8)], axis=-1)
-    return _Tile(_cropped(analysis, rgba), "normals", f"method {analysis.method}", None)
+    return _Tile(_within_mask(analysis, colors), "normals", f"method {analysis.method}", None)
+
+
+def _within_mask(analysis: ToonAnalysis, colors: NDArray[np.uint8]) -> Image.Image:
+    """Fit colors (H, W, 3) of the object's pixels into a tile; the fringe has none."""
+    alpha = np.where(analysis.image.mask, analysis.image.alpha, 0.0)
+    return _cropped(
+        analysis, np.concatenate([colors, np.round(alpha[..., None] * 255).astype(np.uint8)], axis=-1)
+    )
 
 
 def _angles(light: FloatArray) -> str:
@@ -117,25 +147,27 @@ def _cropped(analysis: ToonAnalysis, rgba: NDArray[np.uint8]) -> Image.Image:
     box = rgba[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]
     room = _TILE - 2 * _PADDING
     scale = room / max(box.shape[:2])
+    if scale >= 2:  # pixel art keeps its pixels
+        whole = int(scale)
+        return Image.fromarray(box.repeat(whole, axis=0).repeat(whole, axis=1))
     size = (max(1, round(box.shape[1] * scale)), max(1, round(box.shape[0] * scale)))
     return Image.fromarray(np.ascontiguousarray(box)).resize(size, Image.Resampling.LANCZOS)
 
 
 def _sheet(tiles: list[_Tile], color_map: ColorMap) -> NDArray[np.uint8]:
-    columns = min(_COLUMNS, len(tiles))
-    rows = -(-len(tiles) // columns)
-    width = 2 * _MARGIN + columns * _TILE + (columns - 1) * _GAP
+    rows = -(-len(tiles) // _COLUMNS)
+    width = 2 * _MARGIN + _COLUMNS * _TILE + (_COLUMNS - 1) * _GAP
     height = 2 * _MARGIN - _GAP + rows * (_TILE + _CAPTION + _GAP) - _CAPTION // 4  # captions end above that
     sheet = Image.new("RGB", (width, height), _SHEET)
     card, outline = _card(), _rounded(outline=True)
     for index, tile in enumerate(tiles):
-        row, column = divmod(index, columns)
+        row, column = divmod(index, _COLUMNS)
         left, top = _MARGIN + column * (_TILE + _GAP), _MARGIN + row * (_TILE + _CAPTION + _GAP)
         sheet.paste(card, (left, top), _rounded(outline=False))
         x, y = left + (_TILE - tile.picture.width) // 2, top + (_TILE - tile.picture.height) // 2
         sheet.paste(tile.picture, (x, y), tile.picture)
         if tile.light is not None:
-            ball = _light_ball(tile.light, color_map)
+            ball = _ball(tile.light, color_map, _BALL_RADIUS)
             sheet.paste(ball, (left + _TILE - ball.width - 6, top + 6), ball)
         sheet.paste(_BORDER, (left, top, left + _TILE, top + _TILE), outline)
         _caption(sheet, tile, left, top + _TILE + 7)
@@ -170,10 +202,10 @@ def _rounded(*, outline: bool) -> Image.Image:
     return fine.resize((_TILE, _TILE), Image.Resampling.BOX)
 
 
-def _light_ball(light: FloatArray, color_map: ColorMap) -> Image.Image:
-    """Draw a ball painted with the color map, and a dot where the light stands above it."""
-    side = (2 * _BALL_RADIUS + 8) * _FINER
-    center, radius = (side - 1) / 2, _BALL_RADIUS * _FINER
+def _ball(light: FloatArray, color_map: ColorMap, radius: int) -> Image.Image:
+    """Draw a ball painted with a color map, and a dot where the light stands above it."""
+    side = (2 * radius + 8) * _FINER
+    center, radius = (side - 1) / 2, radius * _FINER
     row, column = np.indices((side, side))
     x, y = (column - center) / radius, (center - row) / radius  # row 0 is the top, y points up
     squared = x**2 + y**2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,14 +11,21 @@ from toonkit._validation import refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.export.archive import save_analysis
 from toonkit.export.atomic import PathLike
-from toonkit.export.color_map import write_color_map
+from toonkit.export.color_map import write_color_map, write_color_maps
 from toonkit.export.contact_sheet import contact_sheet
+from toonkit.export.label_picture import label_picture
+from toonkit.export.line_art import line_art
 from toonkit.export.normal_map import write_normal_map
 from toonkit.export.picture import write_picture
 from toonkit.export.report import analysis_report, write_report
 
 ARCHIVE_NAME = "analysis.npz"
 """Name of the file that `load_analysis` reads back."""
+
+REPORT_NAME = "report.json"
+"""Name of the report, which lists the files of its folder."""
+
+_ONLY_SOME_HAVE = ("line_art.png", "color_map.png", "color_map.json", "color_maps.png", "color_maps.json")
 
 
 def make_folder(path: PathLike) -> Path:
@@ -62,7 +70,8 @@ def write_analysis_folder(
     analysis : ToonAnalysis
         Any method's result.
     folder : path
-        Created if need be; files of the same names in it are replaced, each once its successor is complete.
+        Created if need be; files of the same names in it are replaced, each once its successor is complete. Files that an
+        earlier analysis wrote into it and that this one has no need of are removed: those that its report lists.
     notes : mapping, optional
         Added to report.json.
 
@@ -77,27 +86,82 @@ def write_analysis_folder(
         If the folder cannot be written to.
     """
     target = make_folder(folder)
-    report = {**analysis_report(analysis), **(notes or {})}
-    normals, color_map = analysis.normals, analysis.materials.color_maps[0]
-    writers: dict[str, tuple[str, Callable[[Path], None]]] = {
-        ARCHIVE_NAME: ("the whole analysis, to be relit", lambda path: save_analysis(analysis, path)),
-        "input.png": ("the drawing as analyzed, cut out", lambda path: write_picture(analysis.image, path)),
-        "normals.png": ("normal map, green up (OpenGL)", lambda path: write_normal_map(normals, path)),
-        "normals_16.png": ("the same, 16 bits", lambda path: write_normal_map(normals, path, bits=16)),
-        "normals_directx.png": (
-            "normal map, green down (DirectX)",
-            lambda path: write_normal_map(normals, path, green="directx"),
-        ),
-        "color_map.png": ("color map as a ramp texture", lambda path: write_color_map(color_map, path)),
-        "color_map.json": ("color map, exact", lambda path: write_color_map(color_map, path)),
-        "relit_contact_sheet.png": (
-            "the drawing under new lights",
-            lambda path: write_picture(contact_sheet(analysis), path),
-        ),
-        "report.json": ("how it went", lambda path: write_report(report, path)),
-    }
+    earlier = _files_of_report(target / REPORT_NAME)
+    writers = _writers(analysis)
+    report = {**analysis_report(analysis), **(notes or {}), "files": [*writers, REPORT_NAME]}
+    writers[REPORT_NAME] = ("how it went", lambda path: write_report(report, path))
     written = {}
     for name, (what, write) in writers.items():
         write(target / name)
         written[target / name] = what
+    for name in _ONLY_SOME_HAVE:
+        if name in earlier and name not in writers:
+            _remove(target / name)
     return written
+
+
+def _writers(analysis: ToonAnalysis) -> dict[str, tuple[str, Callable[[Path], None]]]:
+    """Return, for the name of each file but the report, what it is and how it is written."""
+    normals, materials = analysis.normals, analysis.materials
+    writers: dict[str, tuple[str, Callable[[Path], None]]] = {
+        ARCHIVE_NAME: ("the whole analysis, to be relit", lambda path: save_analysis(analysis, path)),
+        "input.png": ("the drawing as analyzed, cut out", lambda path: write_picture(analysis.image, path)),
+        "base_color.png": (
+            "the drawing without its painted shading",
+            lambda path: write_picture(analysis.base_color, path),
+        ),
+        "materials.png": (
+            "its materials, a color each",
+            lambda path: write_picture(label_picture(materials.labels), path),
+        ),
+    }
+    if analysis.drawing.ink.coverage.any():
+        writers["line_art.png"] = (
+            "its line art alone",
+            lambda path: write_picture(line_art(analysis.drawing), path),
+        )
+    writers["normals.png"] = ("normal map, green up (OpenGL)", lambda path: write_normal_map(normals, path))
+    writers["normals_16.png"] = ("the same, 16 bits", lambda path: write_normal_map(normals, path, bits=16))
+    writers["normals_directx.png"] = (
+        "normal map, green down (DirectX)",
+        lambda path: write_normal_map(normals, path, green="directx"),
+    )
+    if materials.count == 1:
+        color_map = materials.color_maps[0]
+        writers["color_map.png"] = (
+            "color map as a ramp texture",
+            lambda path: write_color_map(color_map, path),
+        )
+        writers["color_map.json"] = ("color map, exact", lambda path: write_color_map(color_map, path))
+    else:
+        writers["color_maps.png"] = (
+            "color map of each material as a ramp texture",
+            lambda path: write_color_maps(materials, path),
+        )
+        writers["color_maps.json"] = ("color maps, exact", lambda path: write_color_maps(materials, path))
+    writers["relit_contact_sheet.png"] = (
+        "all of it at a glance, under new lights",
+        lambda path: write_picture(contact_sheet(analysis), path),
+    )
+    return writers
+
+
+def _files_of_report(path: Path) -> list[str]:
+    """Return the names that the report of an earlier analysis lists; toonkit 0.1 wrote one color map, and no list."""
+    try:
+        report = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return []
+    if not isinstance(report, dict) or "versions" not in report:
+        return []
+    files = report.get("files", ["color_map.png", "color_map.json"])
+    return files if isinstance(files, list) else []
+
+
+def _remove(path: Path) -> None:
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        raise refuse(
+            "folder", "must be a folder that can be written to", f"{path} ({error.strerror})"
+        ) from error

@@ -28,12 +28,14 @@ def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
     Returns
     -------
     dict
-        "versions", "method", "light" (unit vector, degrees), "picture" (pixels; share of the object that is ink),
-        "materials" (share of the object, tones, color map of each) and "solver" (iterations, energies, why it stopped).
+        "versions", "method", "light" (unit vector, degrees, whether it was estimated and with what confidence), "picture"
+        (pixels; share of the object that is ink), "materials" (share of the object, tones, color map of each) and "solver"
+        (iterations, energies, why it stopped).
     """
     import toonkit  # noqa: PLC0415  # at call time, because the package's own __init__ stands above this module
 
     azimuth, elevation = light_angles(analysis.light)
+    estimate = analysis.light_estimate
     height, width = analysis.image.shape
     return {
         "versions": {
@@ -46,6 +48,8 @@ def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
             "vector": np.asarray(analysis.light).tolist(),
             "azimuth_degrees": azimuth,
             "elevation_degrees": elevation,
+            "source": "given" if estimate is None else "estimated",
+            "confidence": None if estimate is None else float(estimate.confidence),
         },
         "picture": {
             "width": width,
@@ -66,17 +70,16 @@ def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
 def _materials(analysis: ToonAnalysis) -> list[dict[str, Any]]:
     """Describe each material, in the order of the labels."""
     materials = analysis.materials
-    areas = np.bincount(materials.labels[analysis.image.mask], minlength=materials.count)
     return [
         {
-            "share": float(area / areas.sum()),
+            "share": float(share),
             "flat": bool(flat),
             "tones": [hex_color(shade) for shade in tones],
             "samples": len(color_map.colors),
             "domain": list(color_map.domain),
         }
-        for area, flat, tones, color_map in zip(
-            areas, materials.flat, materials.tones, materials.color_maps, strict=True
+        for share, flat, tones, color_map in zip(
+            materials.shares, materials.flat, materials.tones, materials.color_maps, strict=True
         )
     ]
 

@@ -1,0 +1,36 @@
+"""The line art of a drawing as a layer of its own."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toonkit.estimation.preparation import PreparedDrawing
+from toonkit.illustration.frame import MARGIN
+
+
+def line_art(drawing: PreparedDrawing) -> NDArray[np.uint8]:
+    """
+    Return the ink of a drawing without the paint beneath.
+
+    Parameters
+    ----------
+    drawing : PreparedDrawing
+        The drawing, such as `analysis.drawing`.
+
+    Returns
+    -------
+    ndarray of uint8, shape (H, W, 4)
+        RGBA: the color of the ink, and as straight alpha how much of each pixel it covers.
+    """
+    image, ink = drawing.image, drawing.ink
+    color, coverage = np.zeros((*image.shape, 3)), drawing.ink_coverage
+    color[drawing.box] = ink.color[MARGIN:-MARGIN, MARGIN:-MARGIN]
+    # Line art continues to where the object's soft outline ends.
+    for values in (color, coverage):
+        values[image.fringe_places] = values[image.fringe_sources]
+    rgba = np.zeros((*image.shape, 4))
+    inked = coverage > 0
+    rgba[inked, :3] = color[inked]
+    rgba[..., 3] = coverage * image.alpha
+    return np.round(rgba * 255).astype(np.uint8)
