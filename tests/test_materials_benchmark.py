@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import combinations
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -99,12 +100,13 @@ def test_the_truth_hardly_leaks_and_responds(row):
 
 def test_a_perfect_analysis_has_no_error(monkeypatch):
     scene = materials.drawn(3, SIZE)
-    monkeypatch.setattr(toonkit, "relight", lambda _, light: scene.relit(light))
-    monkeypatch.setattr(materials, "found_ink", lambda _: scene.ink)
-    monkeypatch.setattr(materials, "found_labels", lambda *_: scene.labels)
-    monkeypatch.setattr(
-        toonkit, "angular_error", lambda _, truth: materials.toonkit.metrics.angular_error(truth, truth)
+    perfect = SimpleNamespace(
+        materials=SimpleNamespace(labels=scene.labels),
+        drawing=SimpleNamespace(ink_coverage=scene.ink),
+        normals=scene.normals,
     )
+    monkeypatch.setattr(toonkit, "analyze", lambda *_: perfect)
+    monkeypatch.setattr(toonkit, "relight", lambda _, light, flat_shading: scene.relit(light))
     (row,) = materials.measured_drawing("3", size=SIZE)
     assert row["relit"] == row["relit_shaded"] == row["normals"] == 0.0
     assert row["rand_index"] == pytest.approx(1.0)

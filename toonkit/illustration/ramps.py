@@ -75,6 +75,9 @@ LARGE = 0.002
 TURNED_BACK = 1.0
 """Radians by which the hue of a ramp may turn back on its way from dark to bright."""
 
+STEEPEST = 2.0
+"""Cost of a step of lightness up to which the tones below and above may be one ramp."""
+
 HIDDEN = 1.35
 """Cost of a step of lightness up to which the tones below and above may be one ramp though they do not touch."""
 
@@ -243,7 +246,7 @@ def is_one_ramp(tones: Tones, facing: Facing) -> bool:
     rise = lightness[None, :] - lightness[:, None]
     apart = np.linalg.norm(tones.lab[:, None] - tones.lab, axis=2)
     ambiguous = (smaller * ((np.abs(rise) < 0.03) & (apart > 0.05))).sum() > 0.004 * total
-    if ambiguous or _turned_back(tones) > TURNED_BACK:
+    if ambiguous or _turned_back(tones) > TURNED_BACK or _steepest(tones) > STEEPEST:
         return False
     explained, light = _explained_by_normals(lightness, area, facing)
     if explained < 0.1 or light[2] < -0.32:
@@ -266,6 +269,12 @@ def is_one_ramp(tones: Tones, facing: Facing) -> bool:
     # On boxes every face has a tone of its own, next to any other, and the inflated normals say little.
     faceted = explained > 0.22 and in_front and reversed_share < 0.36
     return faceted and _skipped_share(tones) > 0.38
+
+
+def _steepest(tones: Tones) -> float:
+    """Return the largest cost of a step from one large tone to the next brighter one."""
+    large = np.flatnonzero(tones.area > 2.5 * LARGE * tones.area.sum())
+    return float(np.diag(shade_cost(tones.lab[large]), 1).max(initial=0.0))
 
 
 def _turned_back(tones: Tones) -> float:
