@@ -44,7 +44,7 @@ OFF_MIXTURE = 0.12
 LEAST_COVERAGE = 0.12
 """Coverage below which a pixel counts as paint."""
 
-PIECE = 0.75
+PIECE = 0.65
 """Share of a color that lies in strips from which it may be the ink of a part of the outline."""
 
 BLACK = 0.2
@@ -167,7 +167,7 @@ def _lines(frame: Frame, strips: _Strips) -> BoolArray:
         if encloses > least:
             # Where lines meet, ink is wider than the window.
             lines |= near & _grown(thin, strips.width // 2) if share > 0.6 else thin
-        elif share > 0.75 and followed.max() < 0.15:
+        elif share > 0.75 and followed.max() < 0.27:
             lines |= _elongated(thin)
         elif share > PIECE:
             pieces |= thin

@@ -42,7 +42,7 @@ SPOT = (0.6, 0.85)
 SMALL = 0.0006
 """Share of the paint up to which a tone says too little to keep groups apart."""
 
-LARGEST_COST = 1.4
+LARGEST_COST = 1.2
 """Cost up to which the tones of groups may be shades of one paint."""
 
 EVIDENCE = {
