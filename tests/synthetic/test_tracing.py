@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.ndimage import label
 
 from toonkit.synthetic.primitives import (
     ball,
@@ -92,3 +93,11 @@ def test_the_enclosing_frame_holds_the_whole_silhouette_and_little_more():
     frame = Tracer([ball((3.0, -1.0, 0), 0.5)], np.eye(3)).enclosing_frame()
     assert 1.0 <= frame.width < 1.06
     assert frame.center == pytest.approx((3.0, -1.0), abs=0.03)
+
+
+def test_rays_that_graze_a_surface_meet_what_lies_behind_it():
+    hits = Tracer([ellipsoid((0, 0.2, 0), (0.86, 0.62, 0.8)), ball((0, 0, -1.2), 1.1)], UPRIGHT).trace(
+        FRAME, 800
+    )
+    _, count = label(hits.part == NOTHING)
+    assert count == 1  # the background, without a pinhole

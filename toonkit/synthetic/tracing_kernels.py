@@ -10,7 +10,7 @@ NOTHING = -1
 
 _TILE = 12  # rays along each side of a square whose rays look at the same primitives
 _STEP_FACTOR = 0.85  # share of the distance that a ray advances: ellipsoids overestimate theirs a little
-_MAX_STEPS = 200
+_MAX_STEPS = 1000  # a ray that grazes a surface takes several hundred
 _ARRIVED, _SHORTEST = (
     0.05,
     0.1,
