@@ -1,4 +1,4 @@
-"""The sample drawings that ship with toonkit, drawn from the study's shapes and ramps.
+"""The sample drawings that ship with toonkit: inked ones in several materials, and shapes of the study in its ramps.
 
 `python -m toonkit.study.sample_drawings` writes them anew, byte for byte the same.
 """
@@ -7,32 +7,54 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
-from scipy.ndimage import distance_transform_edt, gaussian_filter, label, rotate
+from scipy.ndimage import gaussian_filter, rotate
 
-from toonkit._validation import BoolArray, FloatArray
+from toonkit._validation import FloatArray
 from toonkit.export.atomic import atomic_write
 from toonkit.model.image import nearest_object_pixel
 from toonkit.model.light import light_direction
 from toonkit.model.shading import illumination
 from toonkit.samples import FOLDER
 from toonkit.study.color_maps import load_color_maps
-from toonkit.study.rendering import RenderedShape, render_shape
+from toonkit.study.inked_samples import Subject, draw_subject
+from toonkit.study.inked_subjects import CAT, DONUT, ROCKET, TOADSTOOL, WITCH
+from toonkit.study.rendering import render_shape
 from toonkit.study.shapes import SHAPES
 
 SIZE = 640
+"""Side of a painted solid's picture in pixels."""
+
+INKED_SIZE = 512
+"""Side of an inked picture in pixels."""
+
 OVERSAMPLING = 3
 """Drawn three times as large and reduced: outlines and band edges are then mixed as drawing programs mix them."""
 
-PEN_WIDTH = 3.2
-"""Of the ink line, in pixels of the sample."""
 
-INK = np.array([0.13, 0.09, 0.14])
+@dataclass(frozen=True)
+class PaintedSolid:
+    """
+    A shape of the study in one material.
+
+    Attributes
+    ----------
+    shape : str
+        Name in `SHAPES`.
+    ramp : str
+        Name of the color map.
+    brush : float
+        Strength of the brush texture, in sRGB; 0 is none.
+    """
+
+    shape: str
+    ramp: str
+    brush: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -44,58 +66,39 @@ class Sample:
     ----------
     name, title : str
         Its file name and what the dashboard calls it.
-    shape : str
-        Name in `SHAPES`.
-    ramp : str or mapping
-        Name of the color map, or one for each material of the shape.
+    subject : Subject or PaintedSolid
+        What is drawn: in several materials and ink, or in one material.
     light : (float, float)
         Azimuth and elevation in degrees.
     shows : str
         What it is a sample of.
-    ink : bool
-        Whether lines are drawn along outlines, folds and materials.
-    brush : float
-        Strength of the brush texture, in sRGB; 0 is none.
     """
 
     name: str
     title: str
-    shape: str
-    ramp: str | Mapping[str, str]
+    subject: Subject | PaintedSolid
     light: tuple[float, float]
     shows: str
-    ink: bool = False
-    brush: float = 0.0
+
+    @property
+    def size(self) -> int:
+        """Side of the picture in pixels."""
+        return INKED_SIZE if isinstance(self.subject, Subject) else SIZE
 
 
 SAMPLES = (
-    Sample("cat", "Sunset cat", "cat", "sunset", (130, 42), "three tones with hue-shifted shadows"),
-    Sample("duck", "Lemon duck", "duck", "teal_lemon", (115, 38), "two hard tones"),
-    Sample(
-        "rabbit",
-        "Inked rabbit",
-        "rabbit",
-        {"fur": "skin_cel", "nose": "velvet", "eyes": "steel_rim", "tail": "porcelain"},
-        (135, 35),
-        "line art",
-        ink=True,
-    ),
-    Sample("donut", "Candy donut", "torus", "candy", (130, 42), "four tones on a shape with a hole"),
-    Sample("pear", "Peach pear", "pear", "peach_soft", (50, 42), "soft, painterly transitions"),
-    Sample(
-        "mushroom",
-        "Toadstool",
-        "mushroom",
-        {"stem": "peach_soft", "cap": "cherry_gloss", "spots": "porcelain"},
-        (125, 45),
-        "several materials",
-    ),
-    Sample("fish", "Brushed fish", "fish", "watercolor", (60, 45), "brush strokes", brush=0.03),
-    Sample("ghost", "Pale ghost", "drapery", "pastel_mist", (130, 42), "pastel tones of low contrast"),
+    Sample("cat", "Tabby cat", CAT, (130, 42), "nine materials and ink"),
+    Sample("witch", "Little witch", WITCH, (125, 45), "a soft gradient, and flat white cuffs"),
+    Sample("donut", "Glazed donut", DONUT, (125, 45), "highlights, and flat sprinkles"),
+    Sample("mushroom", "Toadstool", TOADSTOOL, (125, 45), "a gradient, and flat spots"),
+    Sample("rocket", "Rocket", ROCKET, (120, 45), "hard tones, and a flat flame"),
+    Sample("duck", "Lemon duck", PaintedSolid("duck", "teal_lemon"), (115, 38), "two hard tones, no ink"),
+    Sample("pear", "Peach pear", PaintedSolid("pear", "peach_soft"), (50, 42), "soft, painterly transitions"),
+    Sample("fish", "Brushed fish", PaintedSolid("fish", "watercolor", 0.03), (60, 45), "brush strokes"),
 )
 
 
-def draw_sample(sample: Sample, *, size: int = SIZE) -> FloatArray:
+def draw_sample(sample: Sample, *, size: int | None = None) -> FloatArray:
     """
     Draw a sample.
 
@@ -104,20 +107,24 @@ def draw_sample(sample: Sample, *, size: int = SIZE) -> FloatArray:
     sample : Sample
         What to draw.
     size : int, optional
-        Side of the picture in pixels.
+        Side of the picture in pixels; the sample's own by default.
 
     Returns
     -------
     ndarray, shape (size, size, 4)
         sRGB and straight alpha in [0, 1].
     """
-    large = render_shape(SHAPES[sample.shape], size * OVERSAMPLING)
-    color = _painted(sample, large)
-    if sample.brush:
-        color = color + sample.brush * _brush_texture(color.shape[0])[..., None]
-    if sample.ink:
-        lines = _line_coverage(large, PEN_WIDTH * OVERSAMPLING * size / SIZE)
-        color = color + lines[..., None] * (INK - color)
+    size, light = size or sample.size, light_direction(*sample.light)
+    if isinstance(sample.subject, Subject):
+        return draw_subject(sample.subject, light, size=size).image.to_rgba() / 255.0
+    return _draw_solid(sample.subject, light, size)
+
+
+def _draw_solid(subject: PaintedSolid, light: FloatArray, size: int) -> FloatArray:
+    large = render_shape(SHAPES[subject.shape], size * OVERSAMPLING)
+    color = load_color_maps()[subject.ramp](illumination(large.normals, light))
+    if subject.brush:
+        color = color + subject.brush * _brush_texture(color.shape[0])[..., None]
     # Color under partly covered pixels: what the nearest object pixel has.
     rows, columns = nearest_object_pixel(large.mask)
     color = np.clip(color[rows, columns], 0.0, 1.0)
@@ -131,7 +138,9 @@ def draw_sample(sample: Sample, *, size: int = SIZE) -> FloatArray:
     return np.concatenate([np.where(covered, straight, 0.0), alpha[..., None]], axis=-1)
 
 
-def write_samples(folder: Path, samples: Sequence[Sample] = SAMPLES, *, size: int = SIZE) -> Iterator[Path]:
+def write_samples(
+    folder: Path, samples: Sequence[Sample] = SAMPLES, *, size: int | None = None
+) -> Iterator[Path]:
     """
     Draw samples into a folder, which is made if need be, and `samples.json` beside them.
 
@@ -142,7 +151,7 @@ def write_samples(folder: Path, samples: Sequence[Sample] = SAMPLES, *, size: in
     samples : sequence of Sample, optional
         What to draw.
     size : int, optional
-        Side of the pictures in pixels.
+        Side of the pictures in pixels; each sample's own by default.
 
     Yields
     ------
@@ -173,18 +182,6 @@ def to_bytes(picture: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.uin
     return np.round(picture * 255).astype(np.uint8)
 
 
-def _painted(sample: Sample, shape: RenderedShape) -> FloatArray:
-    light = illumination(shape.normals, light_direction(*sample.light))
-    color_maps = load_color_maps()
-    if isinstance(sample.ramp, str):
-        return color_maps[sample.ramp](light)
-    color = np.full((*light.shape, 3), np.nan)
-    for part, material in enumerate(SHAPES[sample.shape].materials):
-        where = shape.part == part
-        color[where] = color_maps[sample.ramp[material]](light[where])
-    return color
-
-
 def _brush_texture(size: int) -> FloatArray:
     """Strokes from the lower left to the upper right: noise of unit deviation, stretched along them."""
     noise = np.random.default_rng(7).normal(size=(size * 3 // 2, size * 3 // 2))
@@ -194,34 +191,6 @@ def _brush_texture(size: int) -> FloatArray:
     texture = turned[start : start + size, start : start + size]
     unit: FloatArray = texture / texture.std()
     return unit
-
-
-def _line_coverage(shape: RenderedShape, width: float) -> FloatArray:
-    """How much of each pixel is ink, 0 or 1: the pen's width inside the outline, and along folds and materials."""
-    lines = np.zeros_like(shape.mask)
-    for axis in (0, 1):
-        lines |= _jumps(shape, axis)
-    labels, count = label(lines, structure=np.ones((3, 3)))
-    short = np.flatnonzero(np.bincount(labels.ravel(), minlength=count + 1) < 6 * width)
-    lines &= ~np.isin(labels, short)
-    # The outline lies inside the object, a line within the object on both its sides.
-    inked = distance_transform_edt(shape.mask) < width
-    if lines.any():
-        inked |= distance_transform_edt(~lines) < width / 2
-    return np.where(shape.mask, inked.astype(np.float64), 0.0)
-
-
-def _jumps(shape: RenderedShape, axis: int) -> BoolArray:
-    """Where depth, orientation or material changes abruptly from one pixel to the next along an axis."""
-    depth = np.nan_to_num(shape.depth)
-    vectors = np.nan_to_num(shape.normals.vectors)
-    step = np.abs(depth - np.roll(depth, 1, axis))
-    turn = np.sum(vectors * np.roll(vectors, 1, axis), axis=-1)
-    other = shape.part != np.roll(shape.part, 1, axis)
-    both = shape.mask & np.roll(shape.mask, 1, axis)
-    # A surface as steep as that turns away from the viewer: what follows lies behind it.
-    jumps: BoolArray = both & ((step > 0.005 * len(depth)) | (turn < np.cos(np.deg2rad(40))) | other)
-    return jumps
 
 
 def _reduced(channel: FloatArray) -> FloatArray:

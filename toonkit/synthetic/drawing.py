@@ -13,7 +13,7 @@ from toonkit.model.image import ToonImage
 from toonkit.model.light import light_direction
 from toonkit.model.normals import NormalField
 from toonkit.synthetic.inking import Ink, random_ink
-from toonkit.synthetic.painting import Paint, Painter, random_painter
+from toonkit.synthetic.painting import Painter, random_painter
 from toonkit.synthetic.recipes import RECIPES
 from toonkit.synthetic.samples import Samples, sample_model
 
@@ -143,11 +143,12 @@ def draw_scene(seed: int | np.random.Generator, *, size: int = 256, recipe: str 
     painter = random_painter(samples, model, rng)
     bases = np.array([color_map(0.6) for color_map in painter.color_maps])
     ink = random_ink(samples, bases, rng)
-    return _drawn(name, painter, painter.paint(light), ink, light)
+    return compose_scene(name, painter, ink, light)
 
 
-def _drawn(name: str, painter: Painter, painted: Paint, ink: Ink, light: FloatArray) -> DrawnScene:
-    samples = painter.samples
+def compose_scene(name: str, painter: Painter, ink: Ink, light: FloatArray) -> DrawnScene:
+    """Put together the scene of a painter and ink, under a light, a unit vector; its recipe gets this name."""
+    samples, painted = painter.samples, painter.paint(light)
     alpha = samples.coverage()
     mask = alpha >= 0.5
     coverage, ink_color = samples.share(ink.covered), samples.mean(ink.color, ink.covered.astype(np.float64))

@@ -43,16 +43,29 @@ class Ink:
     color: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
-class _Hand:
-    """How lines are drawn: widths in subpixels, and which lines there are."""
+@dataclass(frozen=True)
+class Hand:
+    """
+    How lines are drawn, and which lines there are.
+
+    Attributes
+    ----------
+    outline, inner : float
+        Width of the outline, 0 for none, and of the lines within it, in pixels of a picture of `REFERENCE_SIZE`.
+    missing : float
+        Probability that there is no line between two parts.
+    patterns, creases : bool
+        Whether patterns are outlined, and creases drawn.
+    taper : float
+        How much the width of lines varies, 0 to 1.
+    """
 
     outline: float
     inner: float
-    missing: float
-    patterns: bool
-    creases: bool
-    taper: float
+    missing: float = 0.0
+    patterns: bool = False
+    creases: bool = False
+    taper: float = 0.0
 
 
 def random_ink(samples: Samples, bases: FloatArray, rng: np.random.Generator) -> Ink:
@@ -60,8 +73,8 @@ def random_ink(samples: Samples, bases: FloatArray, rng: np.random.Generator) ->
     color = _ink_colors(samples, bases, rng)
     if rng.random() < UNINKED:
         return Ink(np.zeros(len(samples.pixel), np.bool_), color)
-    width = rng.uniform(*WIDTHS) * SUBPIXELS * samples.size / REFERENCE_SIZE
-    hand = _Hand(
+    width = rng.uniform(*WIDTHS)
+    hand = Hand(
         outline=width * rng.uniform(1.0, 1.3) if rng.random() < 0.92 else 0.0,
         inner=width * rng.uniform(0.55, 1.0),
         missing=float(rng.choice([0.0, 0.35], p=[0.7, 0.3])),
@@ -69,17 +82,23 @@ def random_ink(samples: Samples, bases: FloatArray, rng: np.random.Generator) ->
         creases=bool(rng.random() < 0.6),
         taper=float(rng.choice([0.0, 0.35, 0.8], p=[0.5, 0.3, 0.2])),
     )
+    return draw_ink(samples, hand, color, rng)
+
+
+def draw_ink(samples: Samples, hand: Hand, color: FloatArray, rng: np.random.Generator) -> Ink:
+    """Draw line art by a hand; `color` (n, 3) is the sRGB color that the ink has at each sample."""
+    unit = SUBPIXELS * samples.size / REFERENCE_SIZE
     seen = samples.seen
     pressure = _pressure(seen.shape[0], hand.taper, rng)
     covered = np.zeros_like(seen)
     if hand.outline > 0:
         away, nearest = distance_transform_edt(np.pad(seen, 1), return_indices=True)
         rows, columns = (np.clip(index[1:-1, 1:-1] - 1, 0, len(seen) - 1) for index in nearest)
-        covered |= away[1:-1, 1:-1] - 0.5 <= hand.outline * pressure[rows, columns]
+        covered |= away[1:-1, 1:-1] - 0.5 <= hand.outline * unit * pressure[rows, columns]
     lines = _inner_lines(samples, hand, rng)
     if lines.any():
         away, (rows, columns) = distance_transform_edt(~lines, return_indices=True)
-        covered |= away <= hand.inner / 2 * pressure[rows, columns]
+        covered |= away <= hand.inner * unit / 2 * pressure[rows, columns]
     return Ink(covered[seen] | samples.marked, color)
 
 
@@ -92,7 +111,7 @@ def _pressure(count: int, taper: float, rng: np.random.Generator) -> FloatArray:
     return np.asarray(np.clip(1.0 - 0.4 * taper + taper * smooth, 0.0, 1.3))
 
 
-def _inner_lines(samples: Samples, hand: _Hand, rng: np.random.Generator) -> BoolArray:
+def _inner_lines(samples: Samples, hand: Hand, rng: np.random.Generator) -> BoolArray:
     """Subpixels along which lines run inside the silhouette."""
     hits, seen = samples.hits, samples.seen
     part = hits.part.astype(np.int64)

@@ -102,7 +102,20 @@ def stepped_ramp(base: FloatArray, tones: int, shading: Shading, rng: np.random.
     colors = [_darker(base, step, shading) for step in range(darker, 0, -1)] + [base]
     colors += [_lighter(base)] * (tones - 1 - darker)
     first = 1 if darker < 2 else 0
-    return _ramp(np.array(colors), shading.edges[first : first + tones - 1], shading.softness)
+    return tone_ramp(np.array(colors), shading.edges[first : first + tones - 1], shading.softness)
+
+
+def tone_ramp(colors: FloatArray, edges: Sequence[float], softness: float) -> ColorMap:
+    """Make a color map of tones in OKLab (k, 3), darkest first, with steps at k - 1 illuminations of a width `softness`."""
+    srgb = np.clip(oklab_to_srgb(colors), 0.0, 1.0)
+    if len(colors) == 1:
+        return ColorMap(srgb)
+    illumination = np.linspace(-1.0, 1.0, _SAMPLES)
+    painted = np.tile(srgb[0], (_SAMPLES, 1))
+    for edge, (dark, bright) in zip(edges, pairwise(srgb), strict=True):
+        share = np.clip((illumination - edge) / max(softness, 1e-6) + 0.5, 0.0, 1.0)[:, None]
+        painted += (bright - dark) * share**2 * (3 - 2 * share)
+    return ColorMap(np.clip(painted, 0.0, 1.0))
 
 
 def smooth_ramp(base: FloatArray, shading: Shading, rng: np.random.Generator) -> ColorMap:
@@ -114,18 +127,6 @@ def smooth_ramp(base: FloatArray, shading: Shading, rng: np.random.Generator) ->
     illumination = np.linspace(-1.0, 1.0, _SAMPLES)
     mixed = np.stack([np.interp(illumination, places, colors[:, k]) for k in range(3)], axis=-1)
     return ColorMap(np.clip(oklab_to_srgb(mixed), 0.0, 1.0))
-
-
-def _ramp(colors: FloatArray, edges: Sequence[float], softness: float) -> ColorMap:
-    srgb = np.clip(oklab_to_srgb(colors), 0.0, 1.0)
-    if len(colors) == 1:
-        return ColorMap(srgb)
-    illumination = np.linspace(-1.0, 1.0, _SAMPLES)
-    painted = np.tile(srgb[0], (_SAMPLES, 1))
-    for edge, (dark, bright) in zip(edges, pairwise(srgb), strict=True):
-        share = np.clip((illumination - edge) / max(softness, 1e-6) + 0.5, 0.0, 1.0)[:, None]
-        painted += (bright - dark) * share**2 * (3 - 2 * share)
-    return ColorMap(np.clip(painted, 0.0, 1.0))
 
 
 def _darker(base: FloatArray, steps: int, shading: Shading) -> FloatArray:
