@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 from scipy.ndimage import distance_transform_edt
 
-from toonkit import ColorMap, Materials, NormalField, ToonAnalysis, ToonImage, illumination, light_direction
+from toonkit import (
+    ColorMap,
+    Materials,
+    NormalField,
+    ToonAnalysis,
+    ToonImage,
+    analyze,
+    illumination,
+    light_direction,
+)
 from toonkit.numerics.report import SolverReport
 
 
@@ -56,3 +65,32 @@ def inked_ball():
     share = np.clip(np.maximum(4.0 - inward, 2.5 - middle), 0, 1)[..., None]
     color = np.round(255 * image.color * (1 - share)) / 255
     return replace(ball, image=ToonImage(color, image.mask, alpha=image.alpha, fringe=image.fringe))
+
+
+def harlequin_ball(size=120, fine=4):
+    """A ball half red, half blue with a flat badge, a black line across and an outline, all borders antialiased."""
+    y, x = (fine * size - 1) / 2 - np.mgrid[: fine * size, : fine * size]
+    x = -x
+    radius = 0.45 * fine * size
+    distance = np.hypot(x, y)
+    mask = distance < radius
+    height = np.sqrt(np.maximum(radius**2 - distance**2, 0))
+    value = np.stack([x, y, height], axis=-1) @ light_direction(130, 45) / radius
+    tones = np.array([[[0.4, 0.1, 0.15], [0.9, 0.3, 0.25]], [[0.1, 0.15, 0.4], [0.3, 0.5, 0.9]]])
+    color = tones[(x > 0.3 * y).astype(int), (value > 0.3).astype(int)]
+    badge = np.hypot(x - 0.2 * radius, y + 0.45 * radius) < 0.25 * radius
+    color[badge] = (0.95, 0.85, 0.3)
+    color[(np.abs(y - 0.3 * radius) < 1.1 * fine) | (distance > radius - 2.5 * fine)] = 0.0
+    blocks = (size, fine, size, fine)
+    alpha = mask.reshape(blocks).mean(axis=(1, 3))
+    color = (color * mask[..., None]).reshape(*blocks, 3).mean(axis=(1, 3)) / np.maximum(alpha, 1e-9)[
+        ..., None
+    ]
+    color = np.round(255 * color) / 255
+    image = ToonImage(color, alpha >= 0.5, alpha=alpha, fringe=color)
+    return analyze(image, light_direction(130, 45), method="lumo")
+
+
+@pytest.fixture(scope="session")
+def harlequin():
+    return harlequin_ball()

@@ -143,3 +143,14 @@ def test_the_files_hold_the_relit_picture_and_an_opengl_normal_map(drawing):
         assert normal_map.mode == "RGBA"
         middle = normal_map.getpixel((normal_map.width // 2, normal_map.height // 2))
     assert middle[2] > 200  # the middle of a ball faces the viewer
+
+
+def test_the_file_is_painted_with_as_much_flat_shading_as_is_asked_for(harlequin):
+    state = RelightState(analysis=harlequin, new_light=[-10.0, 5.0])
+    shaded = state.relit()
+    state.flat_shading = 0.0
+    badge = harlequin.materials.labels == 2
+    pure = badge.copy()
+    pure[harlequin.drawing.places(harlequin.drawing.mixed.pixels)] = False
+    np.testing.assert_array_equal(state.relit().color[pure], harlequin.image.color[pure])
+    assert (shaded.color[pure] != harlequin.image.color[pure]).any()

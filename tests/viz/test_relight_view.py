@@ -22,20 +22,23 @@ WebGL2RenderingContext.prototype.drawArrays = function (...call) {
   window.drawn = {width, height, pixels: Array.from(pixels), count: (window.drawn?.count ?? 0) + 1};
 }
 """
-SET = """([light, detail]) => {
+SET = """([light, detail, flat]) => {
   for (const model of Bokeh.documents[0]._all_models.values()) {
     if (model.data?.attributes && "keep_detail" in model.data.attributes) {
       window.drawn.count = 0
-      model.data.setv({new_light: light, keep_detail: detail})
+      model.data.setv({new_light: light, keep_detail: detail, flat_shading: flat ?? 1})
     }
   }
 }"""
 
 
-@pytest.fixture(scope="module", params=["ball", "inked_ball"])
+@pytest.fixture(scope="module", params=["ball", "inked_ball", "harlequin"])
 def ball(request):
     analysis = request.getfixturevalue(request.param)
-    assert analysis.drawing.ink.coverage.any() == (request.param == "inked_ball")
+    assert analysis.drawing.ink.coverage.any() == (request.param != "ball")
+    several = request.param == "harlequin"
+    assert analysis.materials.flat.tolist() == ([False, False, True] if several else [False])
+    assert (analysis.drawing.mixed.shares > 0).all(axis=1).any() == several
     return analysis
 
 
@@ -77,6 +80,12 @@ def pixels_of(page):
     return pixels[::-1]  # WebGL's row 0 is the bottom
 
 
+def assert_shown(page, wanted):
+    difference = np.abs(pixels_of(page) - wanted.astype(int)).max(axis=-1)
+    # Half floats: one pixel in a thousand may round to a neighboring 8-bit value but one.
+    assert (difference > 1).mean() <= 0.001
+
+
 @pytest.mark.browser
 @pytest.mark.parametrize("keep_detail", [True, False])
 @pytest.mark.parametrize("angles", [(130.0, 45.0), (124.0, 47.0), (20.0, 30.0), (-60.0, 5.0), (0.0, 90.0)])
@@ -85,10 +94,21 @@ def test_the_shader_paints_what_relight_paints(shader, ball, angles, keep_detail
     shader.wait_for_function("window.drawn.count > 0")
     shader.wait_for_timeout(200)
     wanted = relight(ball, light_direction(*angles), keep_detail=keep_detail).to_rgba().astype(int)
-    difference = np.abs(pixels_of(shader) - wanted).max(axis=-1)
-    # Half floats: one pixel in a thousand may round to a neighboring 8-bit value but one.
-    assert (difference > 1).mean() <= 0.001
+    assert_shown(shader, wanted)
     assert (wanted[..., 3] > 0).any()
+
+
+@pytest.mark.browser
+def test_flat_materials_answer_to_the_light_as_far_as_they_are_asked_to(shader, ball):
+    angles = (-10.0, 5.0)
+    shader.evaluate(SET, [list(angles), True, 0.4])
+    shader.wait_for_function("window.drawn.count > 0")
+    shader.wait_for_timeout(200)
+    light = light_direction(*angles)
+    wanted = relight(ball, light, flat_shading=0.4).to_rgba()
+    assert_shown(shader, wanted)
+    other = relight(ball, light, flat_shading=1.0).to_rgba()
+    assert (other != wanted).any() == ball.materials.flat.any()
 
 
 @pytest.mark.browser
@@ -118,5 +138,5 @@ def test_the_light_ball_shows_the_color_map_of_its_illumination(shader, ball, el
     )
     illumination = np.sin(np.deg2rad(elevation))  # the middle of the ball faces the viewer: L · N = L_z
     # Half a pixel off the middle moves L · N by 0.01, a hundredth of this ramp's range.
-    np.testing.assert_allclose(middle[:3], 255 * ball.color_map(illumination), atol=4)
+    np.testing.assert_allclose(middle[:3], 255 * ball.materials.color_maps[0](illumination), atol=4)
     assert middle[3] == 255

@@ -82,6 +82,7 @@ class RelightState(param.Parameterized):
         [35.0, 40.0], bounds=(2, 2), doc="Azimuth and elevation of the new light, degrees."
     )
     keep_detail = param.Boolean(True, doc="Keep what the artist painted on top of the color map.")
+    flat_shading = param.Number(1.0, bounds=(0, 1), doc="How much materials in one tone answer to the light.")
     analysis = param.Parameter(None, doc="The ToonAnalysis on screen.")
     step = param.String("", doc='What is being computed; "" when idle.')
     fraction = param.Number(0.0, bounds=(0, 1), doc="How much of it is done.")
@@ -130,7 +131,9 @@ class RelightState(param.Parameterized):
     def relit(self) -> ToonImage:
         """Return the picture on screen under the new light."""
         light = toonkit.light_direction(*self.new_light)
-        return toonkit.relight(self.analysis, light, keep_detail=self.keep_detail)
+        return toonkit.relight(
+            self.analysis, light, keep_detail=self.keep_detail, flat_shading=self.flat_shading
+        )
 
     def relit_png(self) -> BytesIO:
         """Return the relit picture as an RGBA PNG file."""

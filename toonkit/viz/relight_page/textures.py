@@ -1,4 +1,4 @@
-"""What a graphics card needs of an analysis: color, line art, normals and color map as texture bytes."""
+"""What a graphics card needs of an analysis: color, normals, materials and their color maps as texture bytes."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.preparation import PreparedDrawing
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import nearest_object_pixel
 from toonkit.model.light import light_angles
+from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 
 LONGEST_MAP = 1024
@@ -21,11 +21,19 @@ LONGEST_MAP = 1024
 FARTHEST = 2048
 """Pixels up to which a half float counts exactly: no fringe is that wide."""
 
+MIXED = 1 << 31
+"""Bit of a pixel's part that tells a mixed pixel from one of a single material."""
+
+MIXTURES_WIDE = 1024
+"""Mixed pixels in each row of their texture."""
+
+Words = NDArray[np.uint32]
+
 
 @dataclass(frozen=True, eq=False)
 class RelightTextures:
     """
-    One analysis as the bytes of four textures, row 0 at the top.
+    One analysis as the bytes of six textures, row 0 at the top.
 
     Attributes
     ----------
@@ -33,16 +41,21 @@ class RelightTextures:
         Size in pixels.
     color : bytes
         RGBA8, straight alpha: the picture as painted.
-    paint : bytes
-        RGBA8: what lies beneath its line art, and in alpha how much of that shows; empty for a picture without.
     normals : bytes
         RG16F: the equal-area projection (nx, ny) / sqrt(2 (1 + nz)). Unlike (nx, ny) itself it loses no
         precision at the rim, where nz = sqrt(1 - nx² - ny²) amplifies rounding. Outside the mask it holds
         the way (columns, rows), in pixels, to the nearest object pixel, which is longer than any projection.
-    color_map : bytes
-        RGBA32F, one row: the samples of M.
-    domain : (float, float)
-        Illumination of the first and last sample.
+    parts : bytes
+        R32UI: the number of each pixel's material, or `MIXED` plus the number of its mixture. Empty where all pixels are
+        material 0 and none is mixed.
+    mixtures : bytes
+        RGBA32UI, `MIXTURES_WIDE` to a row: the two pixels that a mixed one shows, as column + 2¹⁶ row each, then their
+        materials and their shares in units of 1 / 65535, both as first + 2¹⁶ second. Empty where there are none.
+    color_maps : bytes
+        RGBA32F, one row for each material: the samples of its M, followed by zeros.
+    materials : bytes
+        RGBA32F, one row for each material: the illumination of the first and last sample of M, the number of the last
+        sample, and 1 if it is flat, else 0; then its color as a whole.
     analyzed_light : (float, float)
         Azimuth and elevation, in degrees, of the light the picture was analyzed under.
     """
@@ -50,10 +63,11 @@ class RelightTextures:
     width: int
     height: int
     color: bytes
-    paint: bytes
     normals: bytes
-    color_map: bytes
-    domain: tuple[float, float]
+    parts: bytes
+    mixtures: bytes
+    color_maps: bytes
+    materials: bytes
     analyzed_light: tuple[float, float]
 
 
@@ -69,32 +83,66 @@ def encode_textures(analysis: ToonAnalysis) -> RelightTextures:
     Returns
     -------
     RelightTextures
-        Its picture, refined normals and color map.
+        Its picture, refined normals, materials and color maps.
     """
     height, width = analysis.image.shape
-    color = analysis.image.to_rgba()
+    maps = [_sent(color_map) for color_map in analysis.materials.color_maps]
+    parts, mixtures = _parts(analysis)
     return RelightTextures(
         width=width,
         height=height,
-        color=color.tobytes(),
-        paint=_paint_beneath(analysis.drawing, color),
+        color=analysis.image.to_rgba().tobytes(),
         normals=_project(analysis.normals).astype("<f2").tobytes(),
-        color_map=_map_samples(analysis.materials.color_maps[0]).astype("<f4").tobytes(),
-        domain=analysis.materials.color_maps[0].domain,
+        parts=parts.astype("<u4").tobytes(),
+        mixtures=mixtures.astype("<u4").tobytes(),
+        color_maps=_stack(maps).astype("<f4").tobytes(),
+        materials=_describe(analysis.materials, maps).astype("<f4").tobytes(),
         analyzed_light=light_angles(analysis.light),
     )
 
 
-def _paint_beneath(drawing: PreparedDrawing, color: NDArray[np.uint8]) -> bytes:
-    """Encode a picture's colors (H, W, 4) without its line art."""
+def _parts(analysis: ToonAnalysis) -> tuple[Words, Words]:
+    """Return the part (H, W) that each pixel has, and the mixtures (rows, MIXTURES_WIDE, 4)."""
+    labels, drawing = analysis.materials.labels, analysis.drawing
     mixed = drawing.mixed
-    if mixed.pixels.size == 0:
-        return b""
-    paint = color.copy()
-    paint[..., 3] = 255
-    beneath = np.column_stack([drawing.paint[mixed.sources[:, 0]], mixed.shares.sum(axis=1)])
-    paint[drawing.places(mixed.pixels)] = np.round(beneath * 255)
-    return paint.tobytes()
+    count = mixed.pixels.size
+    if analysis.materials.count == 1 and count == 0:
+        return np.zeros(0, np.uint32), np.zeros(0, np.uint32)
+    parts = np.maximum(labels, 0).astype(np.uint32)
+    parts[drawing.places(mixed.pixels)] = MIXED + np.arange(count, dtype=np.uint32)
+    mixtures = np.zeros((-(-count // MIXTURES_WIDE) * MIXTURES_WIDE, 4), np.uint32)
+    rows, columns = drawing.places(mixed.sources)
+    mixtures[:count, :2] = columns + (rows << 16)
+    mixtures[:count, 2] = _pairs(labels[rows, columns])
+    mixtures[:count, 3] = _pairs(np.round(np.clip(mixed.shares, 0.0, 1.0) * 65535).astype(np.intp))
+    return parts, mixtures
+
+
+def _pairs(numbers: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Put two numbers of 16 bits (n, 2) into one."""
+    return numbers[:, 0] + (numbers[:, 1] << 16)
+
+
+def _sent(color_map: ColorMap) -> ColorMap:
+    return color_map.resampled(LONGEST_MAP) if len(color_map.colors) > LONGEST_MAP else color_map
+
+
+def _stack(maps: list[ColorMap]) -> FloatArray:
+    """Return RGBA samples, shape (count, K, 4); the shader is linear between them, as ColorMap is."""
+    samples = np.zeros((len(maps), max(len(color_map.colors) for color_map in maps), 4))
+    for row, color_map in zip(samples, maps, strict=True):
+        row[: len(color_map.colors), :3] = color_map.colors
+    return samples
+
+
+def _describe(materials: Materials, maps: list[ColorMap]) -> FloatArray:
+    """Return what the shader needs to know of each material, shape (count, 2, 4)."""
+    about = np.zeros((materials.count, 2, 4))
+    about[:, 0, :2] = [color_map.domain for color_map in maps]
+    about[:, 0, 2] = [len(color_map.colors) - 1 for color_map in maps]
+    about[:, 0, 3] = materials.flat
+    about[:, 1, :3] = materials.base_tones
+    return about
 
 
 def _project(normals: NormalField) -> FloatArray:
@@ -106,10 +154,3 @@ def _project(normals: NormalField) -> FloatArray:
     projected = vectors[..., :2] / np.sqrt(2 * (1 + vectors[..., 2:]))
     encoded: FloatArray = np.where(normals.mask[..., None], projected, np.clip(way, -FARTHEST, FARTHEST))
     return encoded
-
-
-def _map_samples(color_map: ColorMap) -> FloatArray:
-    """Return RGBA samples, shape (K, 4); the shader is linear between them, as ColorMap is."""
-    if len(color_map.colors) > LONGEST_MAP:
-        color_map = color_map.resampled(LONGEST_MAP)
-    return np.concatenate([color_map.colors, np.ones((len(color_map.colors), 1))], axis=1)

@@ -1,7 +1,8 @@
 // The relight view: a drawing beside its relit picture, each with a light that is set by dragging.
 //
 // c' = M(L'·N) + w d,  d = c - M(L·N),  w = (1 - t²)⁴ for t² < 1,  t = (L'·N - L·N) (1 + |d|² / size²) / (2 range);
-// w = 0 without detail. Line art stays on top (toonkit/relighting.py)
+// w = 0 without detail. A flat material of color b: c' = c + s (M(L'·N) - b), from b instead of c without detail. Mixed
+// pixels change by their shares of what their two sources do (toonkit/relighting.py)
 //
 // x points right, y up, z toward the viewer; row 0 of every array is the top. Import-free, so that the
 // same module serves Panel and a notebook without a network.
@@ -11,54 +12,87 @@ void main() {  // one triangle that covers the canvas: no buffers
   gl_Position = vec4(vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2.0 - 1.0, 0.0, 1.0);
 }`
 
-const FRAGMENT = `#version 300 es
+const fragment = (several) => `#version 300 es
+#define SEVERAL ${several ? 1 : 0}
 precision highp float;
+precision highp int;
 precision highp sampler2D;
-uniform sampler2D u_color, u_normals, u_map, u_paint;
+precision highp usampler2D;
+uniform sampler2D u_color, u_normals, u_maps, u_materials;
+uniform usampler2D u_parts, u_mixtures;  // see textures.py
 uniform vec3 u_original, u_light;
-uniform vec2 u_domain;
-uniform float u_detail, u_range, u_size, u_inked;
+uniform float u_range, u_size, u_flat;
+uniform bool u_detail;
 out vec4 painted;
 
-vec3 M(float illumination) {
-  int last = textureSize(u_map, 0).x - 1;
-  float t = clamp((illumination - u_domain.x) / (u_domain.y - u_domain.x), 0.0, 1.0) * float(last);
+const uint MIXED = 0x80000000u;
+
+vec3 M(int material, vec4 about, float illumination) {
+  float t = clamp((illumination - about.x) / (about.y - about.x), 0.0, 1.0) * about.z;
+  int last = int(about.z);
   int start = max(min(int(t), last - 1), 0);
   // Mixed here, not by the sampler, whose weights have 8 bits on many cards.
-  return mix(texelFetch(u_map, ivec2(start, 0), 0).rgb, texelFetch(u_map, ivec2(min(start + 1, last), 0), 0).rgb,
-             t - float(start));
+  return mix(texelFetch(u_maps, ivec2(start, material), 0).rgb,
+             texelFetch(u_maps, ivec2(min(start + 1, last), material), 0).rgb, t - float(start));
+}
+
+// A pixel of one material, of color and projected normal p.
+vec3 relit(vec3 color, vec2 p, int material) {
+  float q = dot(p, p);
+  vec3 N = vec3(2.0 * sqrt(1.0 - q) * p, 1.0 - 2.0 * q);
+  vec4 about = texelFetch(u_materials, ivec2(0, material), 0);  // domain, last sample, flat
+  float after = dot(u_light, N);
+  vec3 changed = M(material, about, after);
+  if (about.w > 0.0) {
+    vec3 base = texelFetch(u_materials, ivec2(1, material), 0).rgb;
+    changed = (u_detail ? color : base) + u_flat * (changed - base);
+  } else if (u_detail) {
+    float before = dot(u_original, N);
+    vec3 detail = color - M(material, about, before);
+    float turn = (after - before) * (1.0 + dot(detail, detail) / (u_size * u_size)) / (2.0 * u_range);
+    float left = max(1.0 - turn * turn, 0.0);
+    changed += left * left * left * left * detail;
+  }
+  return clamp(changed, 0.0, 1.0);
 }
 
 void main() {
   ivec2 pixel = ivec2(int(gl_FragCoord.x), textureSize(u_color, 0).y - 1 - int(gl_FragCoord.y));
-  vec4 color = texelFetch(u_color, pixel, 0);
-  if (color.a == 0.0) { painted = vec4(0.0); return; }
-  vec4 own = color;
+  vec4 own = texelFetch(u_color, pixel, 0);
+  if (own.a == 0.0) { painted = vec4(0.0); return; }
+  vec3 color = own.rgb;
   vec2 p = texelFetch(u_normals, pixel, 0).rg;  // equal-area projection: as exact at the rim as in the middle
-  float q = dot(p, p);
-  bool fringe = q > 0.75;  // longer than any projection: the way, in pixels, to the nearest object pixel
+  bool fringe = dot(p, p) > 0.75;  // longer than any projection: the way, in pixels, to the nearest object pixel
   if (fringe) {
     pixel += ivec2(p);
-    color = texelFetch(u_color, pixel, 0);
+    color = texelFetch(u_color, pixel, 0).rgb;
     p = texelFetch(u_normals, pixel, 0).rg;
-    q = dot(p, p);
   }
-  vec4 paint = u_inked > 0.0 ? texelFetch(u_paint, pixel, 0) : vec4(color.rgb, 1.0);
-  vec3 N = vec3(2.0 * sqrt(1.0 - q) * p, 1.0 - 2.0 * q);
-  float after = dot(u_light, N);
-  vec3 relit = M(after);
-  if (u_detail > 0.0) {
-    float before = dot(u_original, N);
-    vec3 detail = paint.rgb - M(before);
-    float turn = (after - before) * (1.0 + dot(detail, detail) / (u_size * u_size)) / (2.0 * u_range);
-    float left = max(1.0 - turn * turn, 0.0);
-    relit += left * left * left * left * detail;
+#if SEVERAL
+  uint part = texelFetch(u_parts, pixel, 0).r;
+  bool mixed = part >= MIXED;
+  int number = mixed ? int(part - MIXED) : 0, wide = textureSize(u_mixtures, 0).x;
+  uvec4 words = texelFetch(u_mixtures, ivec2(number % wide, number / wide), 0);
+  if (!mixed) { words = uvec4(uint(pixel.x) | uint(pixel.y) << 16u, 0u, part, 0xffffu); }
+  vec2 shares = unpackUnorm2x16(words.w);
+  vec3 changed = color;
+  // A loop, not branches: renderers without a graphics card go through both sides of a branch.
+  for (int k = 0; k < (shares.y > 0.0 ? 2 : 1); k++) {
+    uint place = k == 0 ? words.x : words.y;
+    ivec2 source = ivec2(place & 0xffffu, place >> 16u);
+    vec3 paint = texelFetch(u_color, source, 0).rgb;
+    vec2 normal = texelFetch(u_normals, source, 0).rg;
+    changed += (k == 0 ? shares.x : shares.y) * (relit(paint, normal, int(words.z >> uint(16 * k) & 0xffffu)) - paint);
   }
-  relit = clamp(color.rgb + paint.a * (clamp(relit, 0.0, 1.0) - paint.rgb), 0.0, 1.0);
-  if (fringe && u_detail > 0.0) { relit = clamp(own.rgb + relit - color.rgb, 0.0, 1.0); }
-  painted = vec4(relit, own.a);
+  changed = clamp(changed, 0.0, 1.0);
+#else
+  vec3 changed = relit(color, p, 0);
+#endif
+  if (fringe && u_detail) { changed = clamp(own.rgb + changed - color, 0.0, 1.0); }
+  painted = vec4(changed, own.a);
 }`
 
+const MIXTURES_WIDE = 1024  // as in textures.py
 const BALL_PIXELS = 192
 const SEND_EVERY_MS = 100
 const ORBIT_DEGREES_PER_SECOND = 50
@@ -90,21 +124,34 @@ function anglesUnder(x, y, previousAzimuth) {
   return [azimuth, Math.acos(Math.min(radius, 1)) * 180 / Math.PI]
 }
 
+// How far one light is from another, as a share of the full turn (radians), rising smoothly from 0 to 1.
+function turnShare(light, other, fullTurn) {
+  const [[a, b, c], [x, y, z]] = [light, other]
+  const angle = Math.atan2(Math.hypot(b * z - c * y, c * x - a * z, a * y - b * x), a * x + b * y + c * z)
+  const share = Math.min(angle / fullTurn, 1)
+  return share * share * (3 - 2 * share)
+}
+
 function bytes(value) {
   if (!value) { return new Uint8Array(0) }
   return value instanceof ArrayBuffer ? new Uint8Array(value) : new Uint8Array(value.buffer, value.byteOffset, value.byteLength)
 }
 
+const floats = (value) => new Float32Array(bytes(value).slice().buffer)
+const words = (value) => new Uint32Array(bytes(value).slice().buffer)
+
 // A shader that paints one picture on one canvas. Null where WebGL2 is missing.
 function painter(canvas) {
   const gl = canvas.getContext("webgl2", {premultipliedAlpha: false, antialias: false, depth: false})
   if (!gl) { return null }
-  let program, at, contents = null
-  const textures = ["u_color", "u_normals", "u_map", "u_paint"]
+  let program, at, several = null, contents = null
+  const textures = ["u_color", "u_normals", "u_maps", "u_materials", "u_parts", "u_mixtures"]
 
-  function prepare() {
+  // What is in one material without ink has a shader of its own, which takes two thirds of the time.
+  function link() {
+    gl.deleteProgram(program)
     program = gl.createProgram()
-    for (const [type, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+    for (const [type, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, fragment(several)]]) {
       const shader = gl.createShader(type)
       gl.shaderSource(shader, source)
       gl.compileShader(shader)
@@ -117,14 +164,17 @@ function painter(canvas) {
     }
     gl.useProgram(program)
     at = (name) => gl.getUniformLocation(program, name)
+    textures.forEach((name, unit) => gl.uniform1i(at(name), unit))
+  }
+
+  function prepare() {
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1)
-    textures.forEach((name, unit) => {
+    textures.forEach((_, unit) => {
       gl.activeTexture(gl.TEXTURE0 + unit)
       gl.bindTexture(gl.TEXTURE_2D, gl.createTexture())
       for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) {
         gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST)
       }
-      gl.uniform1i(at(name), unit)
     })
   }
 
@@ -133,27 +183,35 @@ function painter(canvas) {
     gl.texImage2D(gl.TEXTURE_2D, 0, internal, width, height, 0, format, type, data)
   }
 
-  // contents: width, height, color (RGBA8), paint (RGBA8, or empty), normals (RG half float), map (RGBA float), domain
+  // contents: width, height, and the textures as textures.py describes them, as arrays of their own numbers
   function load(next) {
     contents = next
-    const {width, height, color, paint, normals, map, domain} = contents
+    const {width, height, color, normals, parts, mixtures, maps, materials} = contents
     if (canvas.width !== width || canvas.height !== height) { [canvas.width, canvas.height] = [width, height] }
     gl.viewport(0, 0, width, height)
+    if (several !== parts.length > 0) {
+      several = parts.length > 0
+      link()
+    }
+    const count = materials.length / 8
     upload(0, gl.RGBA8, width, height, gl.RGBA, gl.UNSIGNED_BYTE, color)
     upload(1, gl.RG16F, width, height, gl.RG, gl.HALF_FLOAT, normals)
-    upload(2, gl.RGBA32F, map.length / 4, 1, gl.RGBA, gl.FLOAT, map)
-    const inked = paint.length > 0
-    if (inked) { upload(3, gl.RGBA8, width, height, gl.RGBA, gl.UNSIGNED_BYTE, paint) }
-    else { upload(3, gl.RGBA8, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)) }
-    gl.uniform1f(at("u_inked"), inked ? 1 : 0)
-    gl.uniform2f(at("u_domain"), domain[0], domain[1])
+    upload(2, gl.RGBA32F, maps.length / 4 / count, count, gl.RGBA, gl.FLOAT, maps)
+    upload(3, gl.RGBA32F, 2, count, gl.RGBA, gl.FLOAT, materials)
+    const none = new Uint32Array(4)
+    const uploadWords = (unit, internal, format, data, wide, high) => data.length > 0
+      ? upload(unit, internal, wide, high, format, gl.UNSIGNED_INT, data)
+      : upload(unit, internal, 1, 1, format, gl.UNSIGNED_INT, none)
+    uploadWords(4, gl.R32UI, gl.RED_INTEGER, parts, width, height)
+    uploadWords(5, gl.RGBA32UI, gl.RGBA_INTEGER, mixtures, MIXTURES_WIDE, mixtures.length / 4 / MIXTURES_WIDE)
   }
 
-  function draw({original, light, detail, range, size}) {
+  function draw({original, light, detail, flat, range, size}) {
     if (!contents || gl.isContextLost()) { return }
     gl.uniform3fv(at("u_original"), original)
     gl.uniform3fv(at("u_light"), light)
-    gl.uniform1f(at("u_detail"), detail ? 1 : 0)
+    gl.uniform1i(at("u_detail"), detail ? 1 : 0)
+    gl.uniform1f(at("u_flat"), flat)
     gl.uniform1f(at("u_range"), range)
     gl.uniform1f(at("u_size"), size)
     gl.drawArrays(gl.TRIANGLES, 0, 3)
@@ -164,10 +222,23 @@ function painter(canvas) {
     load, draw,
     onRestored(redraw) {  // a graphics driver may take the context away, for instance after sleep
       canvas.addEventListener("webglcontextlost", (event) => event.preventDefault())
-      canvas.addEventListener("webglcontextrestored", () => { prepare(); if (contents) { load(contents) } redraw() })
+      canvas.addEventListener("webglcontextrestored", () => {
+        several = null
+        prepare()
+        if (contents) { load(contents) }
+        redraw()
+      })
     },
     release() { gl.getExtension("WEBGL_lose_context")?.loseContext() },
   }
+}
+
+// The color map that a ball shows, samples and domain: that of the largest material whose shading was painted.
+function shownMap(maps, materials) {
+  const count = materials.length / 8
+  const row = Math.max([...Array(count).keys()].findIndex((number) => materials[8 * number + 3] === 0), 0)
+  const start = row * maps.length / count
+  return [maps.subarray(start, start + 4 * (materials[8 * row + 2] + 1)), materials.subarray(8 * row, 8 * row + 2)]
 }
 
 // The light ball: M(L · N) on a hemisphere. Few pixels, so without a second graphics context, which costs more.
@@ -393,8 +464,10 @@ function render({model}) {
       originalMoved = false
     }
     // The picture's details belong to the light it was analyzed under, not to one being dragged or on its way.
+    const [analyzed, current] = [direction(model.analyzed_light), direction(light)]
+    const turned = model.keep_detail ? turnShare(analyzed, current, model.full_turn) : 1
     shader?.draw({
-      original: direction(model.analyzed_light), light: direction(light),
+      original: analyzed, light: current, flat: turned * model.flat_shading,
       detail: model.keep_detail, range: model.detail_range, size: model.detail_size,
     })
   }
@@ -410,21 +483,19 @@ function render({model}) {
   let reloading = false
   function reload() {
     reloading = false
-    const [[width, height], color, paint] = [model.picture_size, bytes(model.color), bytes(model.paint)]
-    const [normals, map] = [bytes(model.normals), bytes(model.color_map)]
+    const [[width, height], color, normals] = [model.picture_size, bytes(model.color), bytes(model.normals)]
+    const [parts, mixtures] = [words(model.parts), words(model.mixtures)]
+    const [maps, materials] = [floats(model.color_maps), floats(model.materials)]
     const complete = width * height > 0 && color.length === 4 * width * height && normals.length === color.length
-      && (paint.length === 0 || paint.length === color.length)
+      && (parts.length === 0 || parts.length === width * height) && maps.length > 0 && materials.length > 0
     root.classList.toggle("empty", !complete)
     if (!complete) { return }
     const source = drawing.picture
     ;[source.width, source.height] = [width, height]
     source.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(color), width, height), 0, 0)
     for (const card of [drawing, relit]) { card.picture.classList.toggle("pixels", Math.max(width, height) <= 160) }
-    const ramp = new Float32Array(map.slice().buffer)
-    for (const ball of [lightBall, originalBall]) { ball.load(ramp, model.domain) }
-    shader?.load({
-      width, height, color, paint, normals: new Uint16Array(normals.slice().buffer), map: ramp, domain: model.domain,
-    })
+    for (const ball of [lightBall, originalBall]) { ball.load(...shownMap(maps, materials)) }
+    shader?.load({width, height, color, normals: new Uint16Array(normals.slice().buffer), parts, mixtures, maps, materials})
     originalMoved = true
     draw()
   }
@@ -436,9 +507,11 @@ function render({model}) {
   // A light set in Python, for instance after "estimate"
   model.on("change:original_light", () => { original = [...model.original_light]; scheduleAll() })
   model.on("change:new_light", () => { if (timer === null && !orbiting) { light = [...model.new_light]; schedule() } })
-  for (const name of ["keep_detail", "detail_range", "detail_size"]) { model.on(`change:${name}`, schedule) }
+  for (const name of ["keep_detail", "flat_shading", "detail_range", "detail_size", "full_turn"]) { model.on(`change:${name}`, schedule) }
   for (const name of ["step", "fraction"]) { model.on(`change:${name}`, showProgress) }
-  for (const name of ["color", "paint", "normals", "color_map", "domain", "picture_size", "analyzed_light"]) {
+  for (const name of [
+    "color", "normals", "parts", "mixtures", "color_maps", "materials", "picture_size", "analyzed_light",
+  ]) {
     model.on(`change:${name}`, scheduleReload)
   }
   const showFallback = () => showImage(relit.pictureImage, bytes(model.fallback_picture))
@@ -465,6 +538,7 @@ const CHECKERS = "data:image/svg+xml," + encodeURIComponent(`<svg xmlns="http://
 
 // What moves has a layer of its own (will-change), and nothing that is drawn anew each time is clipped to a shape.
 const STYLE = `
+:host { container-type: inline-size; }
 .relight {
   --ink: var(--panel-on-surface-color, #1c1c1e); --paper: var(--panel-surface-color, #fff);
   --line: color-mix(in srgb, var(--ink) 14%, transparent); --soft: color-mix(in srgb, var(--ink) 62%, var(--paper));
@@ -525,13 +599,13 @@ button svg { width: 15px; height: 15px; fill: currentColor; margin-left: -3px; }
 .busy .track { grid-row: 2; height: 4px; border-radius: 2px; background: var(--line); overflow: hidden; }
 .busy .track div { height: 100%; background: var(--accent); transition: width .15s; }
 .busy button { grid-area: 1 / 2 / 3 / 3; }
-@media (max-width: 640px) {
+@container (max-width: 600px) {
   .relight { grid-template-columns: minmax(0, 1fr); }
   .card.relit { order: -1; }
-  .stage { height: min(84vw, 420px); }
+  .stage { height: min(84cqw, 420px); }
   .ball-box { width: 92px; height: 92px; }
 }
-@media (min-width: 641px) and (max-width: 1180px) {
+@container (min-width: 601px) and (max-width: 850px) {
   .card header p { display: none; }
   .controls { gap: 12px; padding: 12px; }
   .ball-box { width: 84px; height: 84px; }

@@ -19,8 +19,11 @@ from PIL import Image
 
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.light import light_direction
-from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, relight
+from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, FULL_TURN, relight
 from toonkit.viz.relight_page.textures import encode_textures
+
+TEXTURES = ("color", "normals", "parts", "mixtures", "color_maps", "materials")
+"""Parameters that hold what `RelightTextures` describes."""
 
 
 class RelightView(pn.custom.JSComponent):
@@ -43,20 +46,26 @@ class RelightView(pn.custom.JSComponent):
         [45.0, 45.0], bounds=(2, 2), doc="Azimuth and elevation of the new light, degrees."
     )
     keep_detail = param.Boolean(True, doc="Keep what the artist painted on top of the color map.")
+    flat_shading = param.Number(1.0, bounds=(0, 1), doc="How much materials in one tone answer to the light.")
     step = param.String("", doc='What is being computed; "" when idle.')
     fraction = param.Number(0.0, bounds=(0, 1), doc="How much of it is done.")
 
     color = param.Bytes(b"", doc="RGBA8 texture: see RelightTextures, as for the next ones.")
-    paint = param.Bytes(b"", doc="RGBA8 texture, or none.")
     normals = param.Bytes(b"", doc="RG16F texture.")
-    color_map = param.Bytes(b"", doc="RGBA32F texture, one row.")
-    domain = param.List([-1.0, 1.0], bounds=(2, 2), doc="Illumination at the color map's two ends.")
+    parts = param.Bytes(b"", doc="R32UI texture, or none.")
+    mixtures = param.Bytes(b"", doc="RGBA32UI texture, or none.")
+    color_maps = param.Bytes(b"", doc="RGBA32F texture, a row for each material.")
+    materials = param.Bytes(b"", doc="RGBA32F texture, a row for each material.")
     picture_size = param.List([0, 0], bounds=(2, 2), doc="Width and height of the picture, pixels.")
     analyzed_light = param.List(
         [135.0, 45.0], bounds=(2, 2), doc="The light of the analysis on screen, degrees."
     )
     detail_range = param.Number(DETAIL_RANGE, doc="Change of illumination over which details fade.")
     detail_size = param.Number(DETAIL_SIZE, doc="Color difference up to which a detail is texture.")
+
+    full_turn = param.Number(
+        FULL_TURN, doc="Turn of the light, radians, from which on flat shading is all there."
+    )
 
     webgl = param.Boolean(True, doc="Whether the browser has WebGL2; told by the browser.")
     fallback_picture = param.Bytes(b"", doc="PNG of the relit picture, only without WebGL2.")
@@ -73,26 +82,28 @@ class RelightView(pn.custom.JSComponent):
         textures = asdict(encode_textures(analysis))
         size = [textures.pop("width"), textures.pop("height")]
         angles = list(textures.pop("analyzed_light"))
-        domain = list(textures.pop("domain"))
-        self.param.update(
-            **textures, picture_size=size, domain=domain, analyzed_light=angles, original_light=angles
-        )
+        self.param.update(**textures, picture_size=size, analyzed_light=angles, original_light=angles)
         self._paint()
 
     def close(self) -> None:
         """Let go of the analysis and its textures: nobody looks any more."""
         self._analysis = None
         with param.parameterized.discard_events(self):
-            self.param.update(color=b"", paint=b"", normals=b"", color_map=b"", fallback_picture=b"")
+            self.param.update(dict.fromkeys(TEXTURES, b""), fallback_picture=b"")
 
-    @param.depends("webgl", "new_light", "keep_detail", watch=True)
+    @param.depends("webgl", "new_light", "keep_detail", "flat_shading", watch=True)
     def _paint(self) -> None:
         """Paint in Python what a browser without WebGL2 cannot."""
         analysis = self._analysis
         if self.webgl or analysis is None:
             return
-        light = light_direction(*self.new_light)
-        self.fallback_picture = _png(relight(analysis, light, keep_detail=self.keep_detail).to_rgba())
+        relit = relight(
+            analysis,
+            light_direction(*self.new_light),
+            keep_detail=self.keep_detail,
+            flat_shading=self.flat_shading,
+        )
+        self.fallback_picture = _png(relit.to_rgba())
 
 
 def _png(rgba: NDArray[np.uint8]) -> bytes:
