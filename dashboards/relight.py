@@ -32,11 +32,6 @@ TabMaker = Callable[[ToonAnalysis], Any]
 
 TAB_SIZE = {"height": 380, **WIDE}
 
-COLOR_MAP_NOTE = (
-    "Each dot is a pixel in its own color, placed by the light it would get if the drawing were just puffed up; dark "
-    "outlines and lines are left out, for they stay as drawn. "
-    "The curve is the color map of the shape that was recovered, and a bar is the range of light that one color stands for."
-)
 NORMAL_MAP_NOTE = (
     "Which way the surface faces: red to the right, green up, blue toward you (OpenGL convention)."
 )
@@ -60,6 +55,7 @@ def stage(state: RelightState) -> RelightView:
         step=state.param.step,
         fraction=state.param.fraction,
         keep_detail=state.param.keep_detail,
+        flat_shading=state.param.flat_shading,
         min_height=400,
     )
     view.link(state, bidirectional=True, new_light="new_light", original_light="original_light")
@@ -118,20 +114,32 @@ def drawing_picker(state: RelightState) -> pn.Column:
 
 
 def method_picker(state: RelightState) -> pn.Column:
-    """Return one card for each method, and the switch for brushwork."""
+    """Return one card for each method, the switch for brushwork, and the slider for what is painted in one tone."""
     described = {name: METHOD_DESCRIPTIONS.get(name, (name, "")) for name in METHODS}
     cards = ChoiceCards(
         choices=text_choices(described), value=state.method, label="Method", margin=(2, 12, 6, 12), **WIDE
     )
     cards.link(state, bidirectional=True, value="method")
     brushwork = pmui.Switch.from_param(state.param.keep_detail, label="Keep brushwork", margin=(4, 12))
+    flat = pmui.FloatSlider.from_param(
+        state.param.flat_shading,
+        label="Flat shading",
+        step=0.05,
+        visible=pn.bind(has_flat_materials, state.param.analysis),
+        margin=(4, 20, 4, 16),
+        **WIDE,
+    )
 
     async def changed(_: str) -> None:
         await state.analyze()
 
     pn.bind(changed, state.param.method, watch=True)
     pn.bind(changed, state.param.original_light, watch=True)
-    return pn.Column(heading("Method"), cards, brushwork, **WIDE)
+    return pn.Column(heading("Method"), cards, brushwork, flat, **WIDE)
+
+
+def has_flat_materials(analysis: ToonAnalysis | None) -> bool:
+    return analysis is not None and bool(analysis.materials.flat.any())
 
 
 def downloads(state: RelightState) -> pn.Column:
@@ -157,11 +165,15 @@ def downloads(state: RelightState) -> pn.Column:
 # HoloViews takes seconds to import, and the first picture does not need it: each tab imports its own, once the page
 # stands. Not in a thread, where Panel would meet modules that are only half imported.
 def color_map_tab(box: pn.Column) -> TabMaker:
-    from toonkit.viz.elements import color_map_fit  # noqa: PLC0415
+    from toonkit.viz.relight_page.color_maps import ColorMapsView  # noqa: PLC0415
 
     def make(shown: ToonAnalysis) -> Callable[[], None]:
-        pane = pn.pane.HoloViews(color_map_fit(shown), **TAB_SIZE)
-        return lambda: fill(box, COLOR_MAP_NOTE, pane)
+        view = ColorMapsView(shown, height=TAB_SIZE["height"])
+
+        def show() -> None:
+            box[:] = [view]
+
+        return show
 
     return make
 

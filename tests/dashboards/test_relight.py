@@ -49,13 +49,16 @@ def until(page, condition, seconds=60):
     return come
 
 
-def upload_ball(page, side):
-    """Drop a drawing of a ball, and wait until it is on screen."""
+def upload_ball(page, side, badge=False):
+    """Drop a drawing of a gray ball, at will with a flat red badge, and wait until it is on screen."""
     y, x = np.mgrid[:side, :side] - side / 2 + 0.5
     tone = np.where(x + y < 0, 230, 120)
+    color = np.dstack([tone, tone, tone])
+    if badge:
+        color[np.hypot(x - 0.1 * side, y - 0.1 * side) < 0.15 * side] = (200, 30, 40)
     alpha = np.where(np.hypot(x, y) < 0.42 * side, 255, 0)
     buffer = BytesIO()
-    Image.fromarray(np.dstack([tone, tone, tone, alpha]).astype(np.uint8)).save(buffer, "PNG")
+    Image.fromarray(np.dstack([color, alpha]).astype(np.uint8)).save(buffer, "PNG")
     page.locator("input[type=file]").set_input_files(
         {"name": "ball.png", "mimeType": "image/png", "buffer": buffer.getvalue()}
     )
@@ -165,6 +168,30 @@ def test_a_picture_of_ones_own_is_analyzed(relight_page):
     assert (
         relight_page.locator('[data-value][aria-checked="true"]').count() == 1
     )  # no sample is chosen any more
+
+
+def test_a_chosen_material_shows_where_it_is_and_that_its_ramp_is_derived(relight_page):
+    upload_ball(relight_page, 128, badge=True)
+    cards = relight_page.locator('[aria-label="Material"] [data-value]')
+    assert until(relight_page, lambda: cards.count() == 2)
+    assert "flat" in cards.nth(1).inner_text()
+    cards.nth(1).click()
+    relight_page.wait_for_selector("text=/ramp is derived/", timeout=30_000)
+    assert cards.nth(1).get_attribute("aria-checked") == "true"
+
+
+def test_flat_shading_is_offered_where_something_is_flat_and_changes_the_picture(relight_page):
+    slider = relight_page.get_by_role("slider", name="Flat shading")
+    assert slider.count() == 0
+    upload_ball(relight_page, 128, badge=True)
+    assert until(relight_page, lambda: slider.count() == 1)
+    relight_page.get_by_role("slider", name="Relit: azimuth").fill("135")
+    relight_page.get_by_role("slider", name="Relit: elevation").fill("5")
+    relight_page.wait_for_timeout(500)
+    before = relit_pixels(relight_page)
+    slider.focus()
+    relight_page.keyboard.press("Home")
+    assert until(relight_page, lambda: differ(relit_pixels(relight_page), before) > 0.005)
 
 
 def test_the_relit_picture_is_downloaded_with_its_transparency(relight_page):

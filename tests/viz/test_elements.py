@@ -4,14 +4,25 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from base64 import b64decode
+from io import BytesIO
 
 import holoviews as hv
 import numpy as np
 import pytest
+from PIL import Image
 
 from toonkit import ToonkitError
 from toonkit.model.luminance import tone
-from toonkit.viz.elements import color_map_fit, color_ramp, error_map, normal_map, picture
+from toonkit.viz.choice_cards import ramp_choices
+from toonkit.viz.elements import (
+    color_map_fit,
+    color_ramp,
+    error_map,
+    material_place,
+    normal_map,
+    picture,
+)
 from toonkit.viz.scene import height_scene
 
 
@@ -47,6 +58,50 @@ def test_a_fit_shows_the_paint_without_the_line_art(inked_ball):
     as_drawn = tone(inked_ball.image.color[inked_ball.image.mask])
     assert np.mean(as_drawn < 0.05) > 0.1
     assert np.mean(shown < 0.05) < 0.01
+
+
+@pytest.mark.parametrize("material", [0, 1])
+def test_the_fit_of_a_material_shows_its_own_pixels_and_ramp(harlequin, material):
+    overlay = color_map_fit(harlequin, material=material)
+    ramp = overlay.Curve.I
+    where = ramp.dimension_values("illumination")
+    wanted = harlequin.materials.color_maps[material]
+    np.testing.assert_allclose(ramp.dimension_values("tone"), tone(wanted(where)))
+    shown = {int(color[5:], 16) > int(color[1:3], 16) for color in overlay.Points.I.dimension_values("color")}
+    assert shown == {material == 1}  # the first is red, the second blue
+    assert len(overlay.Segments.I) > 0
+
+
+def test_a_flat_material_has_no_intervals(harlequin):
+    overlay = color_map_fit(harlequin, material=2)
+    assert len(overlay.Points.I) > 0
+    assert len(overlay.Segments.I) == 0
+    hv.render(overlay, backend="bokeh")
+
+
+def test_a_material_keeps_its_color_and_the_rest_is_nearly_gray(harlequin):
+    element = material_place(harlequin, 1)
+    shown = np.dstack([element.dimension_values(name, flat=False)[::-1] for name in "RGBA"]).astype(int)
+    drawn = harlequin.image.to_rgba()
+    own = harlequin.materials.labels == 1
+    np.testing.assert_array_equal(shown[own], drawn[own])
+    np.testing.assert_array_equal(shown[..., 3], drawn[..., 3])
+    assert np.ptp(shown[~own][:, :3], axis=1).max() < 40
+    assert np.ptp(drawn[~own][:, :3], axis=1).max() > 150
+
+
+@pytest.mark.parametrize("show", [lambda a, k: color_map_fit(a, material=k), material_place])
+@pytest.mark.parametrize("material", [-1, 3])
+def test_a_material_that_is_none_is_refused(harlequin, show, material):
+    with pytest.raises(ToonkitError, match="one of 3 materials"):
+        show(harlequin, material)
+
+
+def test_the_card_of_a_ramp_runs_from_its_darkest_color_to_its_brightest(ball):
+    (card,) = ramp_choices({"0": ("100 %", "", ball.color_map)})
+    with Image.open(BytesIO(b64decode(card["picture"].split(",")[1]))) as picture:
+        ends = np.asarray(picture)[0, [0, -1]] / 255
+    np.testing.assert_allclose(ends, ball.color_map([-1, 1]), atol=0.5 / 255)
 
 
 def test_a_ramp_spans_every_illumination(ball):

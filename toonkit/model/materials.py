@@ -56,3 +56,10 @@ class Materials:
     def base_tones(self) -> FloatArray:
         """Color that each material has as a whole, sRGB, shape (count, 3): the mean of its tones."""
         return np.array([tones.mean(axis=0) for tones in self.tones])
+
+    @property
+    def shares(self) -> FloatArray:
+        """Share of the object that each material has, shape (count,)."""
+        area = np.bincount(self.labels[self.labels >= 0], minlength=self.count)
+        shares: FloatArray = area / area.sum()
+        return shares

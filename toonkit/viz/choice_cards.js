@@ -12,8 +12,13 @@ const STYLE = `
   background: color-mix(in srgb, var(--accent) 10%, transparent); }
 .cards b { font-weight: 600; }
 .cards small { font-size: 12px; color: color-mix(in srgb, var(--ink) 65%, transparent); }
+.cards.ramps button { flex-direction: row; align-items: center; gap: 10px; padding: 6px 8px; flex-wrap: wrap; }
+.cards.ramps img { flex: 1 1 60px; width: 0; height: 20px; object-fit: fill; border-radius: 4px; }
+.cards.ramps b { width: 3.6em; text-align: right; font-variant-numeric: tabular-nums; }
+.cards.ramps small { width: 2em; }
 .cards.pictures button { padding: 4px; aspect-ratio: 1; }
-.cards img { width: 100%; height: 100%; min-height: 0; object-fit: contain; border-radius: 5px; display: block; }
+.cards img { display: block; }
+.cards.pictures img { width: 100%; height: 100%; min-height: 0; object-fit: contain; border-radius: 5px; }
 `
 
 function render({model}) {
@@ -24,7 +29,9 @@ function render({model}) {
 
   function fill() {
     list.style.gridTemplateColumns = `repeat(${model.columns}, minmax(0, 1fr))`
-    list.classList.toggle("pictures", model.choices.some((choice) => choice.picture))
+    const [first] = model.choices
+    list.classList.toggle("pictures", first?.picture !== undefined && first.text === undefined)
+    list.classList.toggle("ramps", first?.picture !== undefined && first.text !== undefined)
     list.replaceChildren(...model.choices.map((choice) => {
       const card = document.createElement("button")
       card.type = "button"
@@ -32,10 +39,11 @@ function render({model}) {
       card.dataset.value = choice.value
       if (choice.picture) {
         const image = document.createElement("img")
-        ;[image.src, image.alt, image.draggable] = [choice.picture, choice.title, false]
-        card.title = choice.title
+        ;[image.src, image.draggable] = [choice.picture, false]
+        if (choice.text === undefined) { card.title = image.alt = choice.title } else { image.alt = "" }
         card.append(image)
-      } else {
+      }
+      if (choice.text !== undefined) {
         for (const [tag, text] of [["b", choice.title], ["small", choice.text]]) {
           const line = document.createElement(tag)
           line.textContent = text

@@ -1,4 +1,4 @@
-"""Arrays to HoloViews elements: pictures, normal maps, the fit of the color map, errors. Estimates nothing."""
+"""Arrays to HoloViews elements: pictures, normal maps, materials and the fits of their color maps, errors."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ import holoviews as hv
 import holoviews.plotting.bokeh
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from PIL import Image
 
 from toonkit._validation import FloatArray, as_array, refuse
 from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.color_map_fit import allowed_interval
+from toonkit.estimation.shading_ratio import PaintedMaterial
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
 from toonkit.model.luminance import tone
 from toonkit.model.normals import NormalField, encode_normal_map
-from toonkit.model.shading import illumination
 
 BACKEND = "bokeh"  # the import of its module above registers it, without a notebook's hv.extension
 
@@ -24,6 +26,12 @@ SCATTER_PIXELS = 2500
 
 INTERVAL_BARS = 28
 """Colors whose interval of illumination is drawn."""
+
+DIMMED = 0.15
+"""How much is left, beside `NEUTRAL`, of the colors that are not of the material that is shown."""
+
+LONGEST_SIDE = 480
+"""Pixels of a material's picture: no more than it has on screen."""
 
 NEUTRAL = "#7b7c81"
 """Background on which both the darkest and the brightest paint can be seen, whatever the page's theme."""
@@ -70,39 +78,79 @@ def normal_map(normals: NormalField) -> hv.RGB:
     return _rgb(np.dstack([encode_normal_map(normals), coverage]))
 
 
-def color_map_fit(analysis: ToonAnalysis, *, seed: int = 0) -> hv.Overlay:
+def material_place(analysis: ToonAnalysis, material: int) -> hv.RGB:
     """
-    Show how painted tones became a color map.
-
-    Each point is a pixel in the color of its paint, at the illumination of the *initial* normals. The curve is the
-    fitted map M; a bar spans the illumination that M allows one painted color; the strip below is M itself.
+    Show where a material is: the drawing, all but gray except there.
 
     Parameters
     ----------
     analysis : ToonAnalysis
         Any method's result.
+    material : int
+        Its number in `analysis.materials`.
+
+    Returns
+    -------
+    holoviews.RGB
+        Square pixels, no axes; a large drawing is reduced to at most `LONGEST_SIDE` pixels.
+
+    Raises
+    ------
+    ToonkitError
+        If there is no such material.
+    """
+    _check_material(analysis, material)
+    pixels = analysis.image.to_rgba()
+    elsewhere = analysis.materials.labels != material
+    gray = np.array([int(NEUTRAL[k : k + 2], 16) for k in (1, 3, 5)])
+    pixels[elsewhere, :3] = np.round(DIMMED * pixels[elsewhere, :3] + (1 - DIMMED) * gray)
+    small = Image.fromarray(pixels).reduce(-(-max(pixels.shape) // LONGEST_SIDE))
+    return _rgb(np.asarray(small))
+
+
+def color_map_fit(analysis: ToonAnalysis, *, material: int = 0, seed: int = 0) -> hv.Overlay:
+    """
+    Show how painted tones became a color map.
+
+    Each point is a pixel of the material in the color of its paint, at the illumination of the *initial* normals. The curve
+    is the fitted map M; a bar spans the illumination that M allows one painted color; the strip below is M itself. A flat
+    material has no bars, for its colors allow any illumination.
+
+    Parameters
+    ----------
+    analysis : ToonAnalysis
+        Any method's result.
+    material : int, optional
+        Number of a material in `analysis.materials`.
     seed : int, optional
-        Which pixels are shown of a picture that has more than `SCATTER_PIXELS`.
+        Which pixels are shown of a material that has more than `SCATTER_PIXELS`.
 
     Returns
     -------
     holoviews.Overlay
         Tone (0 to 1) over illumination (-1 to 1).
+
+    Raises
+    ------
+    ToonkitError
+        If there is no such material.
     """
-    mask = analysis.image.mask
-    color = analysis.drawing.paint
+    _check_material(analysis, material)
+    painted = analysis.drawing.painted_materials[material]
+    color_map = analysis.materials.color_maps[material]
+    color = analysis.drawing.paint[painted.pixels]
     chosen = _sample(len(color), SCATTER_PIXELS, seed)
     points = hv.Points(
         (
-            illumination(analysis.initial_normals, analysis.light)[mask][chosen],
+            (analysis.initial_normals.compact[painted.pixels] @ analysis.light)[chosen],
             tone(color[chosen]),
             _hex(color[chosen]),
         ),
         kdims=["illumination", "tone"],
         vdims=["color"],
     ).opts(color="color", size=4, alpha=0.75, line_color=None, backend=BACKEND)
-    color_map = analysis.materials.color_maps[0]
-    overlay = _backdrop() * _strip(color_map) * points * _bars(analysis) * _curve(color_map)
+    bars = _bars(painted, color, color_map)
+    overlay = _backdrop() * _strip(color_map) * points * bars * _curve(color_map)
     return overlay.opts(
         xlabel="illumination  L · N",
         ylabel="tone  (black 0, white 1)",
@@ -173,6 +221,11 @@ def error_map(error: ArrayLike, *, label: str, unit: str, limit: float | None = 
     )
 
 
+def _unframe(plot: Any, _: hv.Element) -> None:
+    """Leave no frame for a page's theme to bring back: it sees the color alone."""
+    plot.state.outline_line_color = None
+
+
 _PICTURE: dict[str, Any] = {
     "xaxis": None,
     "yaxis": None,
@@ -180,7 +233,7 @@ _PICTURE: dict[str, Any] = {
     "responsive": True,
     "toolbar": None,
     "default_tools": [],
-    "show_frame": False,
+    "hooks": [_unframe],
 }
 """How a picture looks: square pixels and nothing around it. (`data_aspect`: `aspect="equal"` stretches.)"""
 
@@ -211,23 +264,29 @@ def _curve(color_map: ColorMap) -> hv.Overlay:
     return halo * curve.clone().opts(color="#1d1d1f", line_width=2.2, backend=BACKEND)
 
 
-def _bars(analysis: ToonAnalysis) -> hv.Segments:
-    """Return intervals of illumination of some painted colors, evenly spread over the tones."""
-    mask = analysis.image.mask
-    color = analysis.drawing.paint
+def _bars(painted: PaintedMaterial, color: FloatArray, color_map: ColorMap) -> hv.Segments:
+    """Return intervals of illumination of some painted colors (p, 3), evenly spread over the tones."""
+    chosen, lower, upper = np.zeros(0, np.intp), np.zeros(0), np.zeros(0)
     tones = tone(color)
-    order = np.argsort(tones, kind="stable")
-    chosen = order[np.linspace(0, len(order) - 1, INTERVAL_BARS).astype(np.intp)]
-    _, first, count = np.unique(np.round(tones[chosen], 2), return_index=True, return_counts=True)
-    chosen = chosen[first + count // 2]  # the middle pixel of each tone, not one at the edge of its band
-    allowed = analysis.intervals()
-    lower, upper = allowed.lower[mask][chosen], allowed.upper[mask][chosen]
+    if painted.tones is not None:
+        order = np.argsort(tones, kind="stable")
+        chosen = order[np.linspace(0, len(order) - 1, INTERVAL_BARS).astype(np.intp)]
+        _, first, count = np.unique(np.round(tones[chosen], 2), return_index=True, return_counts=True)
+        chosen = chosen[first + count // 2]  # the middle pixel of each tone, not one at the edge of its band
+        allowed = allowed_interval(painted.tones, color_map)
+        lower, upper = allowed.lower[chosen], allowed.upper[chosen]
     bars = hv.Segments(
         (lower, tones[chosen], upper, tones[chosen], _hex(color[chosen])),
         kdims=["illumination", "tone", "illumination_end", "tone_end"],
         vdims=["color"],
     )
     return bars.opts(color="color", line_width=16, alpha=0.65, backend=BACKEND)
+
+
+def _check_material(analysis: ToonAnalysis, material: int) -> None:
+    count = analysis.materials.count
+    if not 0 <= material < count:
+        raise refuse("material", f"must be the number of one of {count} materials", material)
 
 
 def _sample(count: int, wanted: int, seed: int) -> NDArray[np.intp]:
