@@ -68,7 +68,7 @@ def inked_ball():
 
 
 def harlequin_ball(size=120, fine=4):
-    """A ball half red, half blue with a flat badge, a black line across and an outline, all borders antialiased."""
+    """A ball half red with a highlight, half blue with a flat badge, a black line across and an outline, antialiased."""
     y, x = (fine * size - 1) / 2 - np.mgrid[: fine * size, : fine * size]
     x = -x
     radius = 0.45 * fine * size
@@ -80,6 +80,7 @@ def harlequin_ball(size=120, fine=4):
     color = tones[(x > 0.3 * y).astype(int), (value > 0.3).astype(int)]
     badge = np.hypot(x - 0.2 * radius, y + 0.45 * radius) < 0.25 * radius
     color[badge] = (0.95, 0.85, 0.3)
+    color[np.hypot(x + 0.4 * radius, y - 0.55 * radius) < 0.1 * radius] = 1.0
     color[(np.abs(y - 0.3 * radius) < 1.1 * fine) | (distance > radius - 2.5 * fine)] = 0.0
     blocks = (size, fine, size, fine)
     alpha = mask.reshape(blocks).mean(axis=(1, 3))

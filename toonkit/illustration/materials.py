@@ -109,7 +109,7 @@ def label_materials(
     lit, pure = _under_highlights(lit, pure, source, zones.sources == own, frame)
     # Between two tones of one material lies nothing but their own mixture.
     alone = paint & ~lit & ~_beside_another(whole, frame.mask)
-    colors = _colors(frame, tones, np.where(lit, -1, whole))
+    colors = _colors(frame, tones, whole, ~lit & (zones.sources == own))
     area = np.bincount(whole[whole >= 0], minlength=len(colors))
     flat = np.array([len(shades) == 1 for shades in colors]) | (area < DETAIL * area.sum())
     return FoundMaterials(whole, np.where(alone, own, pure), lit, colors, flat)
@@ -192,9 +192,9 @@ def _numbered(tones: Tones, group: Groups) -> tuple[Labels, BoolArray]:
     return labels, painted & lit[tones.labels]
 
 
-def _colors(frame: Frame, tones: Tones, labels: Labels) -> tuple[FloatArray, ...]:
-    """Mean sRGB of each material's tones, but for those that are rare in it."""
-    paint = (tones.labels >= 0) & (labels >= 0)
+def _colors(frame: Frame, tones: Tones, labels: Labels, pure: BoolArray) -> tuple[FloatArray, ...]:
+    """Mean sRGB of each material's tones, but for those that are rare in it: of pixels that show nothing else."""
+    paint = (tones.labels >= 0) & (labels >= 0) & pure
     count, number = int(labels.max()) + 1, len(tones.area)
     key = labels[paint].astype(np.intp) * number + tones.labels[paint]
     area = np.bincount(key, minlength=count * number)
@@ -204,7 +204,7 @@ def _colors(frame: Frame, tones: Tones, labels: Labels) -> tuple[FloatArray, ...
     colors = []
     for which in range(count):
         occurring = np.flatnonzero(large[which])
-        if occurring.size == 0:  # all of it lies under ink
+        if occurring.size == 0:  # all of it is mixed or lies under ink
             colors.append(frame.color[labels == which].mean(axis=0, keepdims=True))
         else:
             colors.append(sums[which, occurring] / area[which, occurring, None])

@@ -75,6 +75,9 @@ LARGE = 0.002
 TURNED_BACK = 1.0
 """Radians by which the hue of a ramp may turn back on its way from dark to bright."""
 
+AMBIGUOUS = 0.015
+"""Share of the paint that shows, at one lightness, tones of different color, up to which brushwork may do so on one ramp."""
+
 STEEPEST = 2.0
 """Cost of a step of lightness up to which the tones below and above may be one ramp."""
 
@@ -245,7 +248,7 @@ def is_one_ramp(tones: Tones, facing: Facing) -> bool:
     smaller = np.minimum(area[:, None], area)
     rise = lightness[None, :] - lightness[:, None]
     apart = np.linalg.norm(tones.lab[:, None] - tones.lab, axis=2)
-    ambiguous = (smaller * ((np.abs(rise) < 0.03) & (apart > 0.05))).sum() > 0.004 * total
+    ambiguous = (smaller * ((np.abs(rise) < 0.03) & (apart > 0.05))).sum() > AMBIGUOUS * total
     if ambiguous or _turned_back(tones) > TURNED_BACK or _steepest(tones) > STEEPEST:
         return False
     explained, light = _explained_by_normals(lightness, area, facing)

@@ -46,13 +46,6 @@ class Materials:
         return len(self.tones)
 
     @property
-    def shares(self) -> FloatArray:
-        """Share of the object that each material has, shape (count,)."""
-        areas = np.bincount(self.labels[self.labels >= 0], minlength=self.count)
-        shares: FloatArray = areas / areas.sum()
-        return shares
-
-    @property
     def base_tones(self) -> FloatArray:
         """Color that each material has as a whole, sRGB, shape (count, 3): the mean of its tones."""
         return np.array([tones.mean(axis=0) for tones in self.tones])

@@ -21,6 +21,9 @@ LONGEST_MAP = 1024
 FARTHEST = 2048
 """Pixels up to which a half float counts exactly: no fringe is that wide."""
 
+HIGHLIT = 0xFFFF
+"""Second material of a mixture that is a highlight over the first."""
+
 MIXED = 1 << 31
 """Bit of a pixel's part that tells a mixed pixel from one of a single material."""
 
@@ -50,7 +53,8 @@ class RelightTextures:
         material 0 and none is mixed.
     mixtures : bytes
         RGBA32UI, `MIXTURES_WIDE` to a row: the two pixels that a mixed one shows, as column + 2¹⁶ row each, then their
-        materials and their shares in units of 1 / 65535, both as first + 2¹⁶ second. Empty where there are none.
+        materials and their shares in units of 1 / 65535, both as first + 2¹⁶ second; `HIGHLIT` for the second material
+        marks a highlight. Empty where there are none.
     color_maps : bytes
         RGBA32F, one row for each material: the samples of its M, followed by zeros.
     materials : bytes
@@ -113,7 +117,9 @@ def _parts(analysis: ToonAnalysis) -> tuple[Words, Words]:
     mixtures = np.zeros((-(-count // MIXTURES_WIDE) * MIXTURES_WIDE, 4), np.uint32)
     rows, columns = drawing.places(mixed.sources)
     mixtures[:count, :2] = columns + (rows << 16)
-    mixtures[:count, 2] = _pairs(labels[rows, columns])
+    materials = labels[rows, columns]
+    materials[mixed.highlit, 1] = HIGHLIT
+    mixtures[:count, 2] = _pairs(materials)
     mixtures[:count, 3] = _pairs(np.round(np.clip(mixed.shares, 0.0, 1.0) * 65535).astype(np.intp))
     return parts, mixtures
 

@@ -21,11 +21,11 @@ precision highp usampler2D;
 uniform sampler2D u_color, u_normals, u_maps, u_materials;
 uniform usampler2D u_parts, u_mixtures;  // see textures.py
 uniform vec3 u_original, u_light;
-uniform float u_range, u_size, u_flat;
+uniform float u_range, u_size, u_flat, u_highlight;
 uniform bool u_detail;
 out vec4 painted;
 
-const uint MIXED = 0x80000000u;
+const uint MIXED = 0x80000000u, HIGHLIT = 0xffffu;
 
 vec3 M(int material, vec4 about, float illumination) {
   float t = clamp((illumination - about.x) / (about.y - about.x), 0.0, 1.0) * about.z;
@@ -83,6 +83,13 @@ void main() {
     vec3 paint = texelFetch(u_color, source, 0).rgb;
     vec2 normal = texelFetch(u_normals, source, 0).rg;
     changed += (k == 0 ? shares.x : shares.y) * (relit(paint, normal, int(words.z >> uint(16 * k) & 0xffffu)) - paint);
+  }
+  if (words.z >> 16u == HIGHLIT) {  // what a highlight adds to its paint fades
+    vec3 paint = texelFetch(u_color, ivec2(words.x & 0xffffu, words.x >> 16u), 0).rgb;
+    float q = dot(p, p);
+    float turn = dot(u_light - u_original, vec3(2.0 * sqrt(1.0 - q) * p, 1.0 - 2.0 * q)) / (2.0 * u_highlight);
+    float left = max(1.0 - turn * turn, 0.0);
+    changed -= (1.0 - left * left * left * left) * (color - paint);
   }
   changed = clamp(changed, 0.0, 1.0);
 #else
@@ -206,7 +213,7 @@ function painter(canvas) {
     uploadWords(5, gl.RGBA32UI, gl.RGBA_INTEGER, mixtures, MIXTURES_WIDE, mixtures.length / 4 / MIXTURES_WIDE)
   }
 
-  function draw({original, light, detail, flat, range, size}) {
+  function draw({original, light, detail, flat, range, size, highlight}) {
     if (!contents || gl.isContextLost()) { return }
     gl.uniform3fv(at("u_original"), original)
     gl.uniform3fv(at("u_light"), light)
@@ -214,6 +221,7 @@ function painter(canvas) {
     gl.uniform1f(at("u_flat"), flat)
     gl.uniform1f(at("u_range"), range)
     gl.uniform1f(at("u_size"), size)
+    gl.uniform1f(at("u_highlight"), highlight)
     gl.drawArrays(gl.TRIANGLES, 0, 3)
   }
 
@@ -468,7 +476,7 @@ function render({model}) {
     const turned = model.keep_detail ? turnShare(analyzed, current, model.full_turn) : 1
     shader?.draw({
       original: analyzed, light: current, flat: turned * model.flat_shading,
-      detail: model.keep_detail, range: model.detail_range, size: model.detail_size,
+      detail: model.keep_detail, range: model.detail_range, size: model.detail_size, highlight: model.highlight_range,
     })
   }
   function schedule() {
@@ -507,7 +515,7 @@ function render({model}) {
   // A light set in Python, for instance after "estimate"
   model.on("change:original_light", () => { original = [...model.original_light]; scheduleAll() })
   model.on("change:new_light", () => { if (timer === null && !orbiting) { light = [...model.new_light]; schedule() } })
-  for (const name of ["keep_detail", "flat_shading", "detail_range", "detail_size", "full_turn"]) { model.on(`change:${name}`, schedule) }
+  for (const name of ["keep_detail", "flat_shading", "detail_range", "detail_size", "highlight_range", "full_turn"]) { model.on(`change:${name}`, schedule) }
   for (const name of ["step", "fraction"]) { model.on(`change:${name}`, showProgress) }
   for (const name of [
     "color", "normals", "parts", "mixtures", "color_maps", "materials", "picture_size", "analyzed_light",

@@ -19,7 +19,7 @@ from PIL import Image
 
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.light import light_direction
-from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, FULL_TURN, relight
+from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, FULL_TURN, HIGHLIGHT_RANGE, relight
 from toonkit.viz.relight_page.textures import encode_textures
 
 TEXTURES = ("color", "normals", "parts", "mixtures", "color_maps", "materials")
@@ -62,6 +62,7 @@ class RelightView(pn.custom.JSComponent):
     )
     detail_range = param.Number(DETAIL_RANGE, doc="Change of illumination over which details fade.")
     detail_size = param.Number(DETAIL_SIZE, doc="Color difference up to which a detail is texture.")
+    highlight_range = param.Number(HIGHLIGHT_RANGE, doc="Change of illumination over which highlights fade.")
 
     full_turn = param.Number(
         FULL_TURN, doc="Turn of the light, radians, from which on flat shading is all there."
