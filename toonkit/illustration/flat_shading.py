@@ -27,7 +27,7 @@ FADE = (0.7, 1.3)
 """Chroma of a derived shadow relative to that of the lit tone, at least and at most."""
 
 MOST_TINT = 0.03
-"""By how much a derived shadow's color leans toward another hue at most, OKLab."""
+"""By how much a derived shadow's color leans toward another hue at most, OKLab, on white."""
 
 EDGE = (-0.2, 0.6)
 """Illumination at which a derived shadow begins, at least and at most."""
@@ -54,7 +54,7 @@ class Shadow:
     fade : float
         Its chroma, relative.
     tint : (float, float)
-        What its OKLab a and b have in addition.
+        What its OKLab a and b have in addition, relative to the lit tone's lightness.
     edge : float
         Illumination halfway between shadow and light.
     width : float
@@ -70,7 +70,9 @@ class Shadow:
     def color_map(self, lit: FloatArray) -> ColorMap:
         """Return the map of a material whose lit tone, sRGB (3,), is known."""
         bright = srgb_to_oklab(lit)
-        dark = np.array([self.darkness * bright[0], *(self.fade * bright[1:] + np.array(self.tint))])
+        dark = np.array(
+            [self.darkness * bright[0], *(self.fade * bright[1:] + bright[0] * np.array(self.tint))]
+        )
         where = np.linspace(-1.0, 1.0, SAMPLES)
         rise = np.clip((where - self.edge) / self.width + 0.5, 0.0, 1.0)
         share = (rise * rise * (3.0 - 2.0 * rise))[:, None]
@@ -134,7 +136,7 @@ def _shadow_of(color_map: ColorMap) -> Shadow | None:
     chroma = np.hypot(*bright[1:])
     fade = float(dark[1:] @ bright[1:]) / max(float(chroma**2), 1e-6) if chroma > LEAST_STEP else 1.0
     fade = float(np.clip(fade, *FADE))
-    tint = dark[1:] - fade * bright[1:]
+    tint = (dark[1:] - fade * bright[1:]) / bright[0]
     return Shadow(
         float(dark[0] / bright[0]),
         fade,
