@@ -23,7 +23,7 @@ from tests.illustration.drawings import (
     agreement,
     same_partition,
 )
-from toonkit import Materials, ToonImage, find_materials
+from toonkit import Materials, ToonImage, analyze, find_materials, relight
 from toonkit.estimation.preparation import prepare
 from toonkit.study.color_maps import load_color_maps
 
@@ -264,3 +264,32 @@ def test_nothing_but_ink_is_one_material() -> None:
     drawing = prepare(ToonImage(np.full((20, 20, 3), 0.1), np.ones((20, 20), bool)))
     drawing.ink = replace(drawing.ink, coverage=drawing.ink.coverage + 1)
     assert drawing.materials.count == 1
+
+
+@pytest.mark.parametrize("quality", [95, 90])
+def test_a_compressor_s_noise_is_taken_off_flat_paint_and_kept_when_relit(quality: int) -> None:
+    canvas = Canvas(192)
+    canvas.ball(Ball(96, 96, 84, SKIN), 0)
+    drawn = canvas.drawn()
+    page = np.where(drawn.mask[..., None], drawn.color, 1.0)
+    buffer = io.BytesIO()
+    Image.fromarray(np.round(page * 255).astype(np.uint8)).save(buffer, "JPEG", quality=quality)
+    image = ToonImage(np.asarray(Image.open(buffer)) / 255, drawn.mask)
+    drawing = prepare(image)
+    assert drawing.materials.count == 1
+    shares = []
+    for color in (image.color[image.mask], drawing.paint):
+        _, pixels = np.unique(np.round(color * 255), axis=0, return_counts=True)
+        shares.append(np.sort(pixels)[-2:].sum() / pixels.sum())
+    assert shares[0] < 0.95 < shares[1]
+    analysis = analyze(image, LIGHT)
+    assert np.array_equal(relight(analysis, LIGHT).to_rgba(), image.to_rgba())
+
+
+def test_clean_paint_and_gradients_are_no_noise() -> None:
+    for tones in (RED, tuple(map(tuple, np.linspace((0.25, 0.1, 0.3), (0.85, 0.55, 0.9), 60)))):
+        canvas = Canvas()
+        canvas.ball(Ball(48, 48, 42, tones, tuple(np.linspace(-0.6, 0.9, len(tones) - 1))), 0)
+        drawn = canvas.drawn()
+        drawing = prepare(ToonImage(drawn.color, drawn.mask))
+        assert np.array_equal(drawing.paint, drawn.color[drawn.mask])

@@ -18,6 +18,7 @@ from toonkit.illustration.frame import Frame
 from toonkit.illustration.ink import Ink, find_ink
 from toonkit.illustration.materials import FoundMaterials, label_materials, shows_one_ramp
 from toonkit.illustration.mixed_pixels import MixedPixels, mixtures
+from toonkit.illustration.noise import without_noise
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.materials import Materials
@@ -122,9 +123,10 @@ class PreparedDrawing:
     def mixed(self) -> MixedPixels:
         """The pixels that show ink, or the paint of two materials."""
         frame, found = self._frame, self._found
-        return mixtures(
+        mixed = mixtures(
             frame.color, self.ink.coverage, found.labels, found.sources, found.highlights, frame.mask
         )
+        return replace(mixed, drawn=self._drawn[mixed.pixels])
 
     def places(self, pixels: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Row and column, in the picture, of some of the object's pixels."""
@@ -133,8 +135,8 @@ class PreparedDrawing:
 
     @cached_property
     def paint(self) -> FloatArray:
-        """The colors without ink and mixtures of materials, sRGB, shape (P, 3)."""
-        paint = self.grid.gather(self.image.color[self.box])
+        """The colors without ink, mixtures of materials, and a compressor's noise, sRGB, shape (P, 3)."""
+        paint = self._frame.compact(self._frame.color)
         paint[self.mixed.pixels] = paint[self.mixed.sources[:, 0]]
         return paint
 
@@ -142,7 +144,7 @@ class PreparedDrawing:
     def without_ink(self) -> FloatArray:
         """The colors without ink, sRGB, shape (P, 3)."""
         inked = self._frame.compact(self.ink.coverage) > 0
-        return np.where(inked[:, None], self.paint, self.grid.gather(self.image.color[self.box]))
+        return np.where(inked[:, None], self.paint, self._drawn)
 
     @cached_property
     def tones(self) -> PaintedTones:
@@ -206,7 +208,11 @@ class PreparedDrawing:
 
     @cached_property
     def _frame(self) -> Frame:
-        return Frame.around(self.image.color[self.box], self.grid.mask)
+        return without_noise(Frame.around(self.image.color[self.box], self.grid.mask))
+
+    @property
+    def _drawn(self) -> FloatArray:
+        return self.grid.gather(self.image.color[self.box])
 
     @property
     def _framed_normals(self) -> FloatArray:
