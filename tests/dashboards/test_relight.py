@@ -182,7 +182,8 @@ def test_a_chosen_material_shows_where_it_is_and_that_its_ramp_is_derived(religh
 
 def test_flat_shading_is_offered_where_something_is_flat_and_changes_the_picture(relight_page):
     slider = relight_page.get_by_role("slider", name="Flat shading")
-    assert slider.count() == 0
+    relight_page.locator('[data-value="pear"]').click()
+    assert until(relight_page, lambda: slider.count() == 0)
     upload_ball(relight_page, 128, badge=True)
     assert until(relight_page, lambda: slider.count() == 1)
     relight_page.get_by_role("slider", name="Relit: azimuth").fill("135")

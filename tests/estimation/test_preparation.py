@@ -18,7 +18,7 @@ from toonkit import (
     relight,
 )
 from toonkit.estimation import preparation
-from toonkit.estimation.painted_tones import FLAT, MIXING_REACH
+from toonkit.estimation.painted_tones import FLAT, MIXING_REACH, PaintedTones
 from toonkit.estimation.preparation import prepare
 from toonkit.model.luminance import srgb_to_linear, tone
 
@@ -117,7 +117,7 @@ def softened_steps(seed):
 @pytest.mark.parametrize("seed", range(3))
 def test_plain_tones_are_those_found_pixel_by_pixel(seed):
     image = softened_steps(seed)
-    tones = prepare(image).tones
+    tones = PaintedTones.of(image.color[image.mask], *np.nonzero(image.mask))
     assert np.allclose(tones.plain, plain_by_hand(image), atol=1e-12)
     assert tones.mixed.any()
     assert (tones.darkest <= tones.tone).all()

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from toonkit._validation import BoolArray
 from toonkit.illustration.filling import nearest_sources
 from toonkit.illustration.frame import Frame
 from toonkit.model.oklab import tabulated_oklab
@@ -24,7 +25,10 @@ FREQUENT, COLORS = 0.002, 96
 MOSTLY_FLAT, NOISY = 0.4, 0.03
 """Shares of the pixels: in flat colors, at least, and of those that have not quite their color."""
 
-SAMPLED = 200_000
+ROUGH = 1.1
+"""Second differences relative to first ones where colors waver, from which that is noise: gradients stay below 0.7."""
+
+SAMPLED = 40_000
 """Pixels in which flat colors are looked for, at most."""
 
 
@@ -51,17 +55,32 @@ def without_noise(frame: Frame) -> Frame:
     palette = _flat_colors(levels[:: -(-len(levels) // SAMPLED)])
     if not palette:
         return frame
-    color, flat = frame.color.copy(), np.zeros_like(frame.mask)
-    shown, found = frame.color[frame.mask], np.zeros(len(levels), np.bool_)
+    color, flat, wavering = frame.color.copy(), np.zeros_like(frame.mask), np.zeros_like(frame.mask)
+    place = np.flatnonzero(frame.mask)
     for peak in palette:
-        near = np.abs(levels - peak).max(axis=1) <= AROUND
-        shown[near] = peak / 255
-        found |= near
-    color[frame.mask], flat[frame.mask] = shown, found
+        red, green, blue = (np.abs(levels[:, k] - peak[k]) for k in range(3))
+        near = (red <= AROUND) & (green <= AROUND) & (blue <= AROUND)
+        color.reshape(-1, 3)[place[near]] = peak / 255
+        flat.ravel()[place[near]] = True
+        wavering.ravel()[place[near]] = (red + green + blue)[near] > 0
+        place, levels = place[~near], levels[~near]
+    if _roughness(frame, flat, wavering) < ROUGH:
+        return frame
     source = nearest_sources(flat, frame.lab, frame.mask, within=REACH)
     smeared = source >= 0
     color[smeared] = color.reshape(-1, 3)[source[smeared]]
     return replace(frame, color=color, lab=tabulated_oklab(color))
+
+
+def _roughness(frame: Frame, flat: BoolArray, wavering: BoolArray) -> float:
+    """Second differences of the pixels that waver relative to their first ones: large for noise, small in a gradient."""
+    value, second, first = frame.color.sum(axis=2), 0.0, 0.0
+    for axis in (0, 1):
+        before, after = np.roll(value, 1, axis), np.roll(value, -1, axis)
+        counted = wavering & np.roll(flat, 1, axis) & np.roll(flat, -1, axis)
+        second += float(np.abs(before - 2 * value + after)[counted].sum())
+        first += float(np.abs(before - after)[counted].sum())
+    return second / max(first, 1e-9)
 
 
 def _flat_colors(levels: NDArray[np.int32]) -> list[NDArray[np.int32]]:

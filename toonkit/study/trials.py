@@ -345,7 +345,7 @@ def _repainted(analysis: ToonAnalysis, painting: Painting, contestant: Contestan
     """Measure the input as the method explains it, and its color map apart from its normals."""
     picture = contestant.picture(analysis)
     fit = picture_error(picture, painting.image)
-    by_truth = shade(painting.truth.normals, painting.light, analysis.color_map)
+    by_truth = replace(analysis, normals=painting.truth.normals).picture
     color_map = picture_error(by_truth, painting.image)
     return {
         "color_map_rmse": color_map.rmse,
