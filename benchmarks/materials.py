@@ -6,7 +6,8 @@
 Without a folder it draws scenes whose truth is known, analyzes them under their true light, and compares regions, ink,
 normals, the estimated light and relit pictures with the truth; `drawings.csv` holds one row per drawing. With a folder it
 takes real drawings, whose truth nobody knows, as lit from azimuth 130°, elevation 50°, and measures leak and response under
-six other lights; `folder.csv` holds one row per drawing, and beside it stands a contact sheet of each.
+six other lights; `folder.csv` holds one row per drawing, and beside it stands a contact sheet of each. A drawing that is
+refused has no numbers, but the reason.
 
 Seeds are split: choices are tuned on those of one half, and reported on those of the other.
 """
@@ -108,8 +109,13 @@ def _rmse(picture: toonkit.ToonImage, truth: toonkit.ToonImage, where: BoolArray
 
 def measured_file(path: str, *, output: Path | None) -> list[Row]:
     """Relight one real drawing, and write its contact sheet."""
-    image = toonkit.load_image(path)
-    analysis = toonkit.analyze(image, toonkit.light_direction(*FOLDER_LIGHT))
+    try:
+        image = toonkit.load_image(path)
+        analysis = toonkit.analyze(image, FOLDER_LIGHT)
+    except toonkit.ToonkitError as error:
+        return [
+            {"file": Path(path).name, "regions": 0, "leak": np.nan, "response": np.nan, "refused": str(error)}
+        ]
     pictures = [toonkit.relight(analysis, toonkit.light_direction(*angles)) for angles in FOLDER_LIGHTS]
     labels = analysis.materials.labels
     if output is not None:
@@ -120,6 +126,7 @@ def measured_file(path: str, *, output: Path | None) -> list[Row]:
             "regions": len(np.unique(labels[image.mask])),
             "leak": float(np.mean([leak(image, picture) for picture in pictures])),
             "response": float(np.mean([response(image, picture) for picture in pictures])),
+            "refused": "",
         }
     ]
 
