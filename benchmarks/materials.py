@@ -4,7 +4,8 @@
     python -m benchmarks.materials -o /tmp/materials --folder DRAWINGS
 
 Without a folder it draws scenes whose truth is known, analyzes them under their true light, and compares regions, ink,
-normals, the estimated light and relit pictures with the truth; `drawings.csv` holds one row per drawing. With a folder it
+normals, the estimated light and relit pictures with the truth, in which flat materials stay flat; `drawings.csv` holds one
+row per drawing. With a folder it
 takes real drawings, whose truth nobody knows, as lit from azimuth 130°, elevation 50°, and measures leak and response under
 six other lights; `folder.csv` holds one row per drawing, and beside it stands a contact sheet of each. A drawing that is
 refused has no numbers, but the reason.
@@ -169,6 +170,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
         )
         name = "drawings.csv"
     print(rows.to_string(index=False, float_format="{:.3f}".format))
+    if "refused" in rows:
+        print(
+            f"refused: {(rows.refused != '').sum()} of {len(rows)}, which count in no mean of leak and response"
+        )
     print(summary(rows).to_string(float_format="{:.3f}".format))
     if given.output is not None:
         write_rows(rows, given.output / name)

@@ -10,9 +10,10 @@ import pandas as pd
 import pytest
 
 import toonkit
-from benchmarks import materials
+from benchmarks import materials, tone_pairs
 from benchmarks.agreement import adjusted_rand_index, f1_score
 from benchmarks.material_sheets import TILE, sheet
+from toonkit.illustration.ramps import EVIDENCE
 from toonkit.metrics import picture_error
 from toonkit.model.decoding import read_pixels
 from toonkit.synthetic.drawing import draw_scene
@@ -148,3 +149,18 @@ def test_a_sheet_shows_input_regions_base_and_every_light():
     assert all(np.ptp(tile) > 50 for tile in tiles)
     assert np.array_equal(tiles[0], tiles[2])
     assert not np.array_equal(tiles[0], tiles[1])
+
+
+def test_weights_of_known_odds_are_fitted():
+    random = np.random.default_rng(0)
+    cues = np.column_stack([np.ones(4000), random.normal(0, 0.2, 4000), random.uniform(0, 3, 4000)])
+    weights = np.array([-1.0, 5.0, 0.8])
+    same = random.random(4000) < 1 / (1 + np.exp(-cues @ weights))
+    found = tone_pairs.fitted(cues, same, np.ones(4000))
+    assert np.allclose(found, weights, rtol=0.2, atol=0.1)
+
+
+def test_pairs_of_a_drawing_have_a_cue_for_every_weight():
+    cues, same, weight = tone_pairs.pairs_of(materials.drawn(3, 96))
+    assert cues.shape == (len(same), len(EVIDENCE)) == (len(weight), len(EVIDENCE))
+    assert 0 < same.sum() < len(same)

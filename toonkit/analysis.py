@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,6 +16,7 @@ from toonkit.model.image import ToonImage
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination
+from toonkit.numerics.masked_grid import IndexArray
 from toonkit.numerics.report import NOT_REFINED, SolverReport
 
 TEXTURE = 0.15
@@ -82,31 +84,33 @@ class ToonAnalysis:
     @property
     def picture(self) -> ToonImage:
         """The input as the model paints it: M(L · N), flat materials in their one tone, ink on top."""
-        value, paint = self.normals.compact @ self.light, self.drawing.paint.copy()
-        for material, color_map in zip(
-            self.drawing.painted_materials, self.materials.color_maps, strict=True
-        ):
-            if material.tones is not None:
-                paint[material.pixels] = color_map(value[material.pixels])
+        paint = self.drawing.paint.copy()
+        for own, _, shown in self._shaded():
+            paint[own] = shown
         return self._composed(paint)
 
     @property
     def base_color(self) -> ToonImage:
         """The drawing without its painted shading: each material in its lit tone, with its texture, ink and alpha."""
-        value, paint = self.normals.compact @ self.light, self.drawing.paint.copy()
-        for material, color_map in zip(
-            self.drawing.painted_materials, self.materials.color_maps, strict=True
-        ):
-            if material.tones is not None:
-                own = material.pixels
-                detail = paint[own] - color_map(value[own])
-                size = np.einsum("pc,pc->p", detail, detail) / TEXTURE**2
-                paint[own] = color_map.colors[-1] + np.maximum(1.0 - size, 0.0)[:, None] * detail
+        paint = self.drawing.paint.copy()
+        for own, lit, shown in self._shaded():
+            detail = paint[own] - shown
+            size = np.einsum("pc,pc->p", detail, detail) / TEXTURE**2
+            paint[own] = lit + np.maximum(1.0 - size, 0.0)[:, None] * detail
         return self._composed(np.clip(paint, 0.0, 1.0), highlights=0.0)
 
     def intervals(self) -> IlluminationInterval:
         """Range of illumination that each pixel's painted color allows, (H, W) bounds, NaN outside the mask."""
         return self.drawing.interval(allowed_intervals(self.drawing, self.materials.color_maps))
+
+    def _shaded(self) -> Iterator[tuple[IndexArray | slice, FloatArray, FloatArray]]:
+        """Yield of each shaded material its pixels, its lit tone (3,), and the colors that its map gives them (p, 3)."""
+        value = self.normals.compact @ self.light
+        for material, color_map in zip(
+            self.drawing.painted_materials, self.materials.color_maps, strict=True
+        ):
+            if material.tones is not None:
+                yield material.pixels, color_map.colors[-1], color_map(value[material.pixels])
 
     def _composed(self, paint: FloatArray, *, highlights: float = 1.0) -> ToonImage:
         """Put other paint (P, 3) under the drawing's ink and highlights, and mix it where the drawing does."""

@@ -106,10 +106,8 @@ def fit_materials(drawing: PreparedDrawing, illumination: FloatArray) -> tuple[C
         None if material.tones is None else _fitted(material.tones, illumination[material.pixels], trim=trim)
         for material in materials
     ]
-    labels = drawing.materials.labels
-    areas = np.bincount(labels[drawing.mask], minlength=len(fitted)) / drawing.grid.size
     shaded = [color_map for color_map in fitted if color_map is not None]
-    shadow = derived_shadow(shaded, areas[[color_map is not None for color_map in fitted]])
+    shadow = derived_shadow(shaded, drawing.materials.shares[~drawing.materials.flat])
     return tuple(
         shadow.color_map(base) if color_map is None else color_map
         for color_map, base in zip(fitted, drawing.materials.base_tones, strict=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -99,30 +100,31 @@ class PreparedDrawing:
     @cached_property
     def ink(self) -> Ink:
         """The lines over the paint, on the object's frame. What one shaded material explains without any has none."""
-        ink = find_ink(self._frame)
-        if ink.coverage.any() and not ink.outlined and shows_one_ramp(self._frame, self._framed_normals):
+        ink = find_ink(self.frame)
+        if ink.coverage.any() and not ink.outlined and shows_one_ramp(self.frame, self.framed_normals):
             return replace(ink, coverage=np.zeros_like(ink.coverage), only_lines=False)
         return ink
 
     @property
     def ink_coverage(self) -> FloatArray:
         """How much of each pixel is ink, shape (H, W), 0 outside the mask."""
-        coverage = np.zeros(self.shape)
-        coverage[self.box] = self._frame.inner(self.ink.coverage)
-        return coverage
+        return self._on_picture(self.ink.coverage, 0.0)
+
+    @property
+    def ink_color(self) -> FloatArray:
+        """Color of the ink, sRGB, shape (H, W, 3); meaningless where there is none."""
+        return self._on_picture(self.ink.color, 0.0)
 
     @cached_property
     def materials(self) -> Materials:
         """The materials, without color maps."""
         found = self._found
-        labels = np.full(self.shape, -1, np.intp)
-        labels[self.box] = np.where(self.grid.mask, self._frame.inner(found.labels), -1)
-        return Materials(labels, found.tones, found.flat)
+        return Materials(self._on_picture(found.labels.astype(np.intp), -1), found.tones, found.flat)
 
     @cached_property
     def mixed(self) -> MixedPixels:
         """The pixels that show ink, or the paint of two materials."""
-        frame, found = self._frame, self._found
+        frame, found = self.frame, self._found
         mixed = mixtures(
             frame.color, self.ink.coverage, found.labels, found.sources, found.highlights, frame.mask
         )
@@ -136,14 +138,14 @@ class PreparedDrawing:
     @cached_property
     def paint(self) -> FloatArray:
         """The colors without ink, mixtures of materials, and a compressor's noise, sRGB, shape (P, 3)."""
-        paint = self._frame.compact(self._frame.color)
+        paint = self.frame.compact(self.frame.color)
         paint[self.mixed.pixels] = paint[self.mixed.sources[:, 0]]
         return paint
 
     @property
     def without_ink(self) -> FloatArray:
         """The colors without ink, sRGB, shape (P, 3)."""
-        inked = self._frame.compact(self.ink.coverage) > 0
+        inked = self.frame.compact(self.ink.coverage) > 0
         return np.where(inked[:, None], self.paint, self._drawn)
 
     @cached_property
@@ -157,7 +159,7 @@ class PreparedDrawing:
         found = self._found
         if len(found.tones) == 1:
             return (PaintedMaterial(slice(None), None if found.flat[0] else self.tones),)
-        labels, materials = self._frame.compact(found.labels), []
+        labels, materials = self.frame.compact(found.labels), []
         for number, flat in enumerate(found.flat):
             pixels = np.flatnonzero(labels == number).astype(np.int32)
             place = self.grid.rows[pixels], self.grid.columns[pixels]
@@ -173,7 +175,7 @@ class PreparedDrawing:
     @cached_property
     def gray(self) -> GrayPaint:
         """The shading that the paint shows, whatever its material."""
-        return gray_paint(self.painted_materials, self.grid, self._frame.compact(self.ink.coverage) > 0)
+        return gray_paint(self.painted_materials, self.grid, self.frame.compact(self.ink.coverage) > 0)
 
     @cached_property
     def reduced_paint(self) -> tuple[ReducedPaint, ...]:
@@ -207,23 +209,31 @@ class PreparedDrawing:
         return with_surroundings(self.image.alpha, self.box)
 
     @cached_property
-    def _frame(self) -> Frame:
+    def frame(self) -> Frame:
+        """The object, cut out, without a compressor's noise."""
         return without_noise(Frame.around(self.image.color[self.box], self.grid.mask))
+
+    def _on_picture(self, framed: NDArray[Any], fill: float) -> NDArray[Any]:
+        """Put values (h, w, ...) of the frame into the picture, (H, W, ...), filled elsewhere."""
+        whole = np.full((*self.shape, *framed.shape[2:]), fill, framed.dtype)
+        whole[self.box] = self.frame.inner(framed)
+        return whole
 
     @property
     def _drawn(self) -> FloatArray:
         return self.grid.gather(self.image.color[self.box])
 
     @property
-    def _framed_normals(self) -> FloatArray:
-        return self._frame.cut(self.initial_normals.vectors[self.box])
+    def framed_normals(self) -> FloatArray:
+        """N0 on the frame, shape (h, w, 3)."""
+        return self.frame.cut(self.initial_normals.vectors[self.box])
 
     @cached_property
     def _found(self) -> FoundMaterials:
         labels = None
         if self._given_labels is not None:
-            labels = self._frame.cut(self._given_labels[self.box])
-        return label_materials(self._frame, self.ink.coverage, normals=self._framed_normals, labels=labels)
+            labels = self.frame.cut(self._given_labels[self.box])
+        return label_materials(self.frame, self.ink.coverage, self.framed_normals, labels=labels)
 
 
 def prepare(drawing: ToonImage | PreparedDrawing, *, materials: ArrayLike | None = None) -> PreparedDrawing:

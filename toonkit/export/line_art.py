@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toonkit.estimation.preparation import PreparedDrawing
-from toonkit.illustration.frame import MARGIN
 
 
 def line_art(drawing: PreparedDrawing) -> NDArray[np.uint8]:
@@ -23,9 +22,7 @@ def line_art(drawing: PreparedDrawing) -> NDArray[np.uint8]:
     ndarray of uint8, shape (H, W, 4)
         RGBA: the color of the ink, and as straight alpha how much of each pixel it covers.
     """
-    image, ink = drawing.image, drawing.ink
-    color, coverage = np.zeros((*image.shape, 3)), drawing.ink_coverage
-    color[drawing.box] = ink.color[MARGIN:-MARGIN, MARGIN:-MARGIN]
+    image, color, coverage = drawing.image, drawing.ink_color, drawing.ink_coverage
     # Line art continues to where the object's soft outline ends.
     for values in (color, coverage):
         values[image.fringe_places] = values[image.fringe_sources]

@@ -123,16 +123,16 @@ def find_ink(frame: Frame) -> Ink:
     >>> float(ink.coverage[29, 2]), float(ink.coverage[29, 29])
     (1.0, 0.0)
     """
-    strips = _dark_strips(frame)
+    strips, around = _dark_strips(frame), _Silhouette.of(frame.mask)
     none = Ink(np.zeros(frame.mask.shape), frame.color, False, False)
     if np.count_nonzero(strips.cores) < SPECK * frame.size**2:
         return none
-    lines = _lines(frame, strips)
+    lines = _lines(frame, strips, around)
     if not lines.any():
         return none
     coverage, color = _coverage(frame, lines, strips)
     inked = coverage > 0.5
-    enclosure = _both_sides(_Silhouette.of(frame.mask).share(_grown(inked, 1)))
+    enclosure = _both_sides(around.share(_grown(inked, 1)))
     black = inked.any() and np.median(frame.lab[inked, 0]) < BLACK
     outlined = enclosure > (ENCLOSED_BY_BLACK if black else ENCLOSED)
     return Ink(coverage, color, bool(outlined), _has_only_lines(frame, coverage))
@@ -149,10 +149,9 @@ def _dark_strips(frame: Frame) -> _Strips:
     return _Strips(pixels, cores, width)
 
 
-def _lines(frame: Frame, strips: _Strips) -> BoolArray:
+def _lines(frame: Frame, strips: _Strips, around: _Silhouette) -> BoolArray:
     """Pixels of strips in the colors that are ink."""
     mask, lab = frame.mask, frame.lab
-    around = _Silhouette.of(mask)
     lines, pieces = np.zeros_like(mask), np.zeros_like(mask)
     for ink in _frequent_colors(lab[strips.cores]):
         near = mask & (_distance(lab, ink) < SAME_INK)

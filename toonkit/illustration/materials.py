@@ -22,7 +22,7 @@ from toonkit.illustration.ink import PAINT
 from toonkit.illustration.mixed_pixels import REACH
 from toonkit.illustration.ramps import Facing, Groups, is_one_ramp, join_tones
 from toonkit.illustration.tones import Tones, find_tones
-from toonkit.illustration.zones import find_zones
+from toonkit.illustration.zones import Zones, find_zones
 
 TONE_SHARE = 0.01
 """Share of a material's pixels that a color must have to be listed as one of its tones."""
@@ -61,8 +61,8 @@ class FoundMaterials:
 def label_materials(
     frame: Frame,
     coverage: FloatArray,
+    normals: FloatArray,
     *,
-    normals: FloatArray | None = None,
     labels: Labels | None = None,
 ) -> FoundMaterials:
     """
@@ -74,8 +74,8 @@ def label_materials(
         The object.
     coverage : ndarray, shape (h, w)
         How much of each pixel is ink.
-    normals : ndarray, shape (h, w, 3), optional
-        Initial normals of the silhouette. Without them a drawing in one material whose hue turns far is split.
+    normals : ndarray, shape (h, w, 3)
+        Initial normals of the silhouette.
     labels : ndarray of int, shape (h, w), optional
         The materials, 0 and up, if somebody knows them; -1 where not even they do.
 
@@ -84,11 +84,8 @@ def label_materials(
     FoundMaterials
         At least one.
     """
-    paint = frame.mask & (coverage < PAINT)
-    if not paint.any():
-        paint = frame.mask
-    zones = find_zones(frame.lab, paint)
-    tones = find_tones(zones)
+    zones, tones, facing = read_tones(frame, coverage, normals)
+    paint = tones.labels >= 0
     lit = np.zeros_like(frame.mask)
     told = (
         np.full_like(tones.labels, -1)
@@ -98,7 +95,6 @@ def label_materials(
     if (told[frame.mask] >= 0).all():
         known = np.where(paint, told, -1)
     else:
-        facing = None if normals is None else _facing(tones, normals, inked=bool((coverage > 0).any()))
         known, lit = _numbered(tones, join_tones(tones, facing))
         known, lit = _completed(told, known), lit & (told < 0)
     source = _everywhere(nearest_sources(known >= 0, frame.lab, frame.mask), frame.mask)
@@ -117,8 +113,16 @@ def label_materials(
 
 def shows_one_ramp(frame: Frame, normals: FloatArray) -> bool:
     """Tell whether a drawing, all that seems to be ink included, is one shaded material; normals (h, w, 3) as above."""
-    tones = find_tones(find_zones(frame.lab, frame.mask))
-    return is_one_ramp(tones, _facing(tones, normals, inked=False))
+    _, tones, facing = read_tones(frame, np.zeros(frame.mask.shape), normals)
+    return is_one_ramp(tones, facing)
+
+
+def read_tones(frame: Frame, coverage: FloatArray, normals: FloatArray) -> tuple[Zones, Tones, Facing]:
+    """Find the zones and tones of the paint beside the ink, and how they face; all of the object, if that is ink."""
+    paint = frame.mask & (coverage < PAINT)
+    zones = find_zones(frame.lab, paint if paint.any() else frame.mask)
+    tones = find_tones(zones)
+    return zones, tones, _facing(tones, normals, inked=bool((coverage > 0).any()))
 
 
 def _everywhere(source: Labels, mask: BoolArray) -> Labels:

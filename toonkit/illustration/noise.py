@@ -31,7 +31,6 @@ ROUGH = 1.1
 SAMPLED = 40_000
 """Pixels in which flat colors are looked for, at most."""
 
-
 REACH = 4
 """Pixels beside flat paint that may be smeared with it."""
 

@@ -62,8 +62,8 @@ EVIDENCE = {
     "darkness": 11.7,
 }
 """
-Log-odds that two tones that touch are one material: a logistic regression on 10,665 pairs in 150 generated drawings, on
-others rounded, with a lower constant: in doubt tones stay apart.
+Weights of the cues in the log-odds that two tones that touch are one material: a logistic regression on generated drawings
+(`python -m benchmarks.tone_pairs`), rounded. The constant is lower than fitted, so that in doubt tones stay apart.
 """
 
 MOST_FACING, MOST_TURN, MOST_FADE, DARK = 0.6, 1.5, 2.0, 0.3
@@ -118,7 +118,7 @@ class Facing:
         return Facing(self.sums[which], self.moments[which], self.inked)
 
 
-def join_tones(tones: Tones, facing: Facing | None) -> Groups:
+def join_tones(tones: Tones, facing: Facing) -> Groups:
     """
     Group tones into materials.
 
@@ -126,19 +126,18 @@ def join_tones(tones: Tones, facing: Facing | None) -> Groups:
     ----------
     tones : Tones
         The tones of the drawing.
-    facing : Facing or None
-        The normals beneath them; without, the hue of a drawing in one material must not turn much.
+    facing : Facing
+        The normals beneath them.
 
     Returns
     -------
     ndarray of int, shape (n,)
         Material of each tone, in no particular order.
     """
-    if facing is not None:
-        spots = _spots(tones, facing)
-        others = np.flatnonzero(~spots)
-        if is_one_ramp(tones.only(others), facing.only(others)):
-            return np.where(spots, np.arange(len(spots)), others[0])
+    spots = _spots(tones, facing)
+    others = np.flatnonzero(~spots)
+    if is_one_ramp(tones.only(others), facing.only(others)):
+        return np.where(spots, np.arange(len(spots)), others[0])
     large = tones.area > SMALL * tones.area.sum()
     cost = shade_cost(tones.lab)
     evidence = touching_evidence(tones, cost, facing)
@@ -170,45 +169,47 @@ def shade_cost(lab: FloatArray) -> Matrix:
     return cost
 
 
-def touching_evidence(tones: Tones, cost: Matrix, facing: Facing | None) -> Matrix:
+def touching_evidence(tones: Tones, cost: Matrix, facing: Facing) -> Matrix:
     """Log-odds (n, n) that tones that touch are one material; meaningless where they do not."""
+    cues = touching_cues(tones, cost, facing)
+    odds: Matrix = sum((EVIDENCE[name] * cue for name, cue in cues.items()), np.zeros_like(cost))
+    return np.clip(odds, -8.0, 8.0)
+
+
+def touching_cues(tones: Tones, cost: Matrix, facing: Facing) -> dict[str, Matrix]:
+    """Return the cues (n, n) that tones that touch are one material, or not, by the names that `EVIDENCE` has for them."""
     rise = tones.lab[None, :, 0] - tones.lab[:, None, 0]
     drop, cost = np.abs(rise), np.minimum(cost, 3.0)
     enclosed = _enclosed(tones)
     enclosed = np.where(rise > 0, enclosed, enclosed.T)
-    spot = np.clip((enclosed - SPOT[0]) / (SPOT[1] - SPOT[0]), 0.0, 1.0)
-    turned = np.zeros_like(cost)
-    if facing is not None:
-        toward = np.append(_azimuth(tones, cost), 1.0) / np.sqrt(2.0)
-        illumination = facing.sums @ toward / tones.area
-        turned = np.sign(rise) * (illumination - illumination[:, None])
-        turned = np.clip(turned, -MOST_FACING, MOST_FACING)
+    toward = np.append(_azimuth(tones, cost), 1.0) / np.sqrt(2.0)
+    illumination = facing.sums @ toward / tones.area
+    turned = np.sign(rise) * (illumination - illumination[:, None])
+    turned = np.clip(turned, -MOST_FACING, MOST_FACING)
     chroma = np.hypot(tones.lab[:, 1], tones.lab[:, 2])
-    dark, bright = (np.where(rise > 0, one, other) for one, other in (
-        (chroma[:, None], chroma), (chroma, chroma[:, None])))  # fmt: skip
+    dark = np.where(rise > 0, chroma[:, None], chroma)
+    bright = np.where(rise > 0, chroma, chroma[:, None])
     hue = np.arctan2(tones.lab[:, 2], tones.lab[:, 1])
     turn = np.abs(np.angle(np.exp(1j * (hue[:, None] - hue))))
     turn *= np.clip(np.minimum(dark, bright) / COLORED, 0.0, 1.0)
     brighter = np.maximum(tones.lab[:, None, 0], tones.lab[:, 0])
     contact = tones.contact / np.maximum(np.minimum(tones.perimeter[:, None], tones.perimeter), 1.0)
-    w = EVIDENCE
-    odds: Matrix = (
-        w["constant"]
-        + w["cost"] * cost
-        + w["cost squared"] * cost**2
-        + w["drop"] * drop
-        + w["drop squared"] * drop**2
-        + w["spot"] * spot
-        + w["facing"] * turned
-        + w["facing squared"] * turned * np.abs(turned)
-        + w["turn"] * np.minimum(turn, MOST_TURN)
-        + w["contact"] * np.minimum(contact, 1.0)
-        + w["chroma"] * bright
-        + w["shadow's chroma"] * dark
-        + w["fade"] * np.minimum(dark / np.maximum(bright, 0.02), MOST_FADE)
-        + w["darkness"] * np.clip((DARK - brighter) / DARK, 0.0, 1.0)
-    )
-    return np.clip(odds, -8.0, 8.0)
+    return {
+        "constant": np.ones_like(cost),
+        "cost": cost,
+        "cost squared": cost**2,
+        "drop": drop,
+        "drop squared": drop**2,
+        "spot": np.clip((enclosed - SPOT[0]) / (SPOT[1] - SPOT[0]), 0.0, 1.0),
+        "facing": turned,
+        "facing squared": turned * np.abs(turned),
+        "turn": np.minimum(turn, MOST_TURN),
+        "contact": np.minimum(contact, 1.0),
+        "chroma": bright,
+        "shadow's chroma": dark,
+        "fade": np.minimum(dark / np.maximum(bright, 0.02), MOST_FADE),
+        "darkness": np.clip((DARK - brighter) / DARK, 0.0, 1.0),
+    }
 
 
 def _enclosed(tones: Tones) -> Matrix:

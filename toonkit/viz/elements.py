@@ -16,7 +16,7 @@ from toonkit.estimation.color_map_fit import allowed_interval
 from toonkit.estimation.shading_ratio import PaintedMaterial
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
-from toonkit.model.luminance import tone
+from toonkit.model.luminance import hex_color, tone
 from toonkit.model.normals import NormalField, encode_normal_map
 
 BACKEND = "bokeh"  # the import of its module above registers it, without a notebook's hv.extension
@@ -296,4 +296,4 @@ def _sample(count: int, wanted: int, seed: int) -> NDArray[np.intp]:
 
 
 def _hex(color: FloatArray) -> list[str]:
-    return [f"#{r:02x}{g:02x}{b:02x}" for r, g, b in np.round(color * 255).astype(int)]
+    return [hex_color(one) for one in color]
