@@ -41,7 +41,9 @@ def heat_map_card(state: StudyState) -> pn.Column:
 
 def trial_card(state: StudyState) -> pn.Column:
     """Return the pictures of the selected trial, for all methods side by side."""
-    sheet = pn.pane.HTML("", stylesheets=[SHEET_STYLE], min_height=400, margin=0, **WIDE)
+    kept = state.examination  # in the page from the start: an update sent while a page loads can be lost
+    content = trial_sheet(kept, state.records(kept), measure=state.measure) if kept is not None else ""
+    sheet = pn.pane.HTML(content, stylesheets=[SHEET_STYLE], min_height=400, margin=0, **WIDE)
     progress = pmui.LinearProgress(
         value=state.param.fraction.rx() * 100,
         variant="determinate",

@@ -257,6 +257,11 @@ def test_an_examination_is_kept(state, monkeypatch):
     assert state.examination is before
 
 
+def test_the_next_visitor_finds_a_kept_examination_on_the_page(state):
+    asyncio.run(state.examine())
+    assert StudyState(table(), SETTINGS).examination is state.examination
+
+
 def test_a_mesh_that_is_not_at_hand_is_said_to_be_none():
     state = StudyState(as_table([record("bunny", "ocean", "todo", angular_error=7.0)]), SETTINGS)
     run(state.examine())

@@ -87,6 +87,7 @@ class StudyState(param.Parameterized):
         self._turn = asyncio.Lock()
         self._offer()
         self.select(*self.typical())
+        self.examination = _kept.get(self._key())
 
     def _offer(self) -> None:
         """Fill the selectors with what the table has."""
