@@ -17,7 +17,7 @@ from scipy import ndimage
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.illustration.filling import Labels, nearest_sources
 from toonkit.illustration.frame import Frame
-from toonkit.illustration.highlights import highlight_hosts
+from toonkit.illustration.highlights import find_highlights
 from toonkit.illustration.ink import PAINT
 from toonkit.illustration.mixed_pixels import REACH
 from toonkit.illustration.ramps import Facing, Groups, is_one_ramp, join_tones
@@ -26,6 +26,9 @@ from toonkit.illustration.zones import Zones, find_zones
 
 TONE_SHARE = 0.01
 """Share of a material's pixels that a color must have to be listed as one of its tones."""
+
+STRAY_SHARE = 0.1
+"""Share of a material below which a tone is rare in it."""
 
 DETAIL = 0.002
 """Share of the object up to which a material is a detail, an eye or a button: too small to show how light falls."""
@@ -85,27 +88,22 @@ def label_materials(
         At least one.
     """
     zones, tones, facing = read_tones(frame, coverage, normals)
-    paint = tones.labels >= 0
-    lit = np.zeros_like(frame.mask)
-    told = (
-        np.full_like(tones.labels, -1)
-        if labels is None
-        else np.where(frame.mask, labels, -1).astype(np.int32)
-    )
-    if (told[frame.mask] >= 0).all():
-        known = np.where(paint, told, -1)
-    else:
-        known, lit = _numbered(tones, join_tones(tones, facing))
-        known, lit = _completed(told, known), lit & (told < 0)
+    known, lit = _numbered(tones, join_tones(tones, facing))
+    told = np.full_like(known, -1)
+    if labels is not None:
+        told[frame.mask] = labels[frame.mask]
+        lit &= ~_mostly(lit, told)
+        known = np.where(_strays(tones, told), -1, _completed(told, known))
     source = _everywhere(nearest_sources(known >= 0, frame.lab, frame.mask), frame.mask)
     own = np.arange(source.size, dtype=np.int32).reshape(source.shape)
-    whole = np.where(told >= 0, told, np.where(frame.mask, known.ravel()[source], -1))
     pure = zones.sources.ravel()[source]
     pure = np.where(pure >= 0, pure, source)
     lit, pure = _under_highlights(lit, pure, source, zones.sources == own, frame)
+    shown = np.where(lit, known.ravel()[pure], known.ravel()[source])
+    whole = _without_gaps(np.where(told >= 0, told, np.where(frame.mask, shown, -1)), told.max())
     # Between two tones of one material lies nothing but their own mixture.
-    alone = paint & ~lit & ~_beside_another(whole, frame.mask)
-    colors = _colors(frame, tones, whole, ~lit & (zones.sources == own))
+    alone = (known >= 0) & ~lit & ~_beside_another(whole, frame.mask)
+    colors = _colors(frame, tones, whole, (known >= 0) & ~lit & (zones.sources == own))
     area = np.bincount(whole[whole >= 0], minlength=len(colors))
     flat = np.array([len(shades) == 1 for shades in colors]) | (area < DETAIL * area.sum())
     return FoundMaterials(whole, np.where(alone, own, pure), lit, colors, flat)
@@ -154,15 +152,42 @@ def _beside_another(labels: Labels, mask: BoolArray) -> BoolArray:
     return beside
 
 
+def _mostly(lit: BoolArray, told: Labels) -> BoolArray:
+    """Mark the pixels of materials, named by somebody, that highlights would cover: to them these are paint."""
+    named = told >= 0
+    covered = np.bincount(told[named & lit], minlength=1)
+    area = np.bincount(told[named], minlength=len(covered))
+    mostly = 2 * np.append(covered, np.zeros(len(area) - len(covered))) > area
+    return named & np.asarray(mostly[told])
+
+
+def _strays(tones: Tones, told: Labels) -> BoolArray:
+    """Mark the paint along a border drawn by somebody that is the neighbor's: its tone is rare here, and common there."""
+    placed = (told >= 0) & (tones.labels >= 0)
+    if not placed.any():
+        return placed
+    number = len(tones.area)
+    key = np.where(placed, told.astype(np.intp) * number + tones.labels, 0)
+    area = np.bincount(key[placed], minlength=(int(told.max()) + 1) * number).reshape(-1, number)
+    rare = (area < STRAY_SHARE * area.sum(axis=1, keepdims=True)) & (2 * area < area.sum(axis=0))
+    stray: BoolArray = placed & rare.ravel()[key] & _beside_another(told, placed)
+    return stray
+
+
 def _completed(told: Labels, found: Labels) -> Labels:
     """Take the materials that somebody named, and number those found where nobody did after them."""
-    if not (told >= 0).any():
-        return found
     left = (told < 0) & (found >= 0)
-    numbers = np.unique(found[left])
     known = np.where(found >= 0, told, -1)
-    known[left] = told.max() + 1 + np.searchsorted(numbers, found[left])
+    known[left] = told.max() + 1 + np.unique(found[left], return_inverse=True)[1]
     return known
+
+
+def _without_gaps(labels: Labels, named: int) -> Labels:
+    """Renumber the materials after those that somebody named, so that each number occurs."""
+    found = labels > named
+    if found.any():
+        labels[found] = named + 1 + np.unique(labels[found], return_inverse=True)[1]
+    return labels
 
 
 def _under_highlights(
@@ -181,19 +206,17 @@ def _numbered(tones: Tones, group: Groups) -> tuple[Labels, BoolArray]:
     """
     Assign numbers to the materials of pixels by area, the largest first, and among equal ones the darker first.
 
-    The other array marks the pixels of highlights, which belong to the material that they lie on.
+    The other array marks the pixels of highlights, which have the number of their color: the last ones where all of it is.
     """
     _, which = np.unique(group, return_inverse=True)
-    host = highlight_hosts(tones, which)
-    lit = host[which] >= 0
-    _, which = np.unique(np.where(lit, host[which], which), return_inverse=True)
-    area = np.bincount(which, tones.area)
+    lit = find_highlights(tones, which)
+    painted = tones.labels >= 0
+    area = np.bincount(which[tones.labels[painted & ~lit]], minlength=int(which.max()) + 1)
     darkest = np.full(len(area), len(group))
     np.minimum.at(darkest, which, np.arange(len(group)))
     rank = np.argsort(np.lexsort((darkest, -area)))[which]
-    painted = tones.labels >= 0
     labels: Labels = np.where(painted, rank[tones.labels], -1).astype(np.int32)
-    return labels, painted & lit[tones.labels]
+    return labels, lit
 
 
 def _colors(frame: Frame, tones: Tones, labels: Labels, pure: BoolArray) -> tuple[FloatArray, ...]:
