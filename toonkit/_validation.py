@@ -6,6 +6,9 @@ Public functions pass their arguments through here; private ones trust what they
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from difflib import get_close_matches
+from os import PathLike
 from typing import TypeGuard
 
 import numpy as np
@@ -19,6 +22,19 @@ MIN_OBJECT_PIXELS = 9
 
 BEHIND = 1e-9
 """A light this far behind the image plane is a rounding error of one that lies in it."""
+
+SOURCES = {
+    "ToonImage": "toonkit.load_image(path) or toonkit.ToonImage(color, mask)",
+    "NormalField": "toonkit.NormalField(vectors, mask), or analysis.normals",
+    "ColorMap": "toonkit.ColorMap(colors), or one of analysis.materials.color_maps",
+    "ToonAnalysis": "toonkit.analyze(image), or toonkit.load_analysis(path)",
+    "IlluminationInterval": "toonkit.illumination_interval(image, color_map)",
+    "HeightField": "toonkit.height_map(normals)",
+}
+"""What to pass where an object of a class is wanted and something else came."""
+
+LONGEST_SHOWN = 60
+"""Characters of a text that a message repeats."""
 
 
 class ToonkitError(ValueError):
@@ -67,8 +83,39 @@ def as_coverage(argument: str, value: ArrayLike, shape: tuple[int, int]) -> Floa
 def of_type(argument: str, value: object, wanted: type) -> None:
     """Refuse a value that is not an instance of a class of ours."""
     if not isinstance(value, wanted):
-        source = " (see toonkit.load_image)" if wanted.__name__ == "ToonImage" else ""
-        raise refuse(argument, f"must be a {wanted.__name__}{source}", type(value).__name__)
+        name = wanted.__name__
+        advice = f" (pass {SOURCES[name]})" if name in SOURCES else ""
+        article = "an" if name[0] in "AEIOU" else "a"
+        raise refuse(argument, f"must be {article} {name}{advice}", describe_value(value))
+
+
+def describe_value(value: object) -> str:
+    """Describe, for a message, a value of the wrong kind: text as it is, an array by its shape, else its type."""
+    if isinstance(value, str | PathLike):
+        text = repr(value)
+        return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…"
+    if isinstance(value, np.ndarray):
+        return f"an array of shape {value.shape}, {value.dtype}"
+    if isinstance(value, tuple | list) and len(repr(value)) > LONGEST_SHOWN:
+        return f"a {type(value).__name__} of length {len(value)}"
+    if value is None or isinstance(value, int | float | complex | tuple | list):
+        return repr(value)
+    return type(value).__name__
+
+
+def one_of(argument: str, value: object, names: Iterable[str]) -> None:
+    """Refuse a value that is none of some names, and point to the one that is spelled most like it."""
+    known = tuple(names)
+    if isinstance(value, str):
+        if value in known:
+            return
+        lowered = {name.lower(): name for name in known}
+        hint = "".join(
+            f"; did you mean {lowered[name]!r}?" for name in get_close_matches(value.lower(), lowered, 1)
+        )
+    else:
+        hint = ""
+    raise refuse(argument, f"must be one of {', '.join(known)}", f"{value!r}{hint}")
 
 
 def same_mask(argument: str, mask: BoolArray, wanted: BoolArray, of: str) -> None:
@@ -128,7 +175,14 @@ def as_labels(argument: str, value: ArrayLike, mask: BoolArray) -> NDArray[np.in
 
 def as_light(argument: str, value: ArrayLike) -> FloatArray:
     """Return a unit (3,) direction from the surface to a light on the viewer's side of the image plane."""
-    light = as_array(argument, value, (3,))
+    try:
+        light = as_array(argument, value, (3,))
+    except ToonkitError as error:
+        rule = (
+            "must be a direction (x, y, z), or an azimuth and elevation in degrees: "
+            "toonkit.light_direction(azimuth, elevation)"
+        )
+        raise refuse(argument, rule, describe_value(value)) from error
     if not np.isfinite(light).all():
         raise refuse(argument, "must be finite", np.array2string(light))
     largest = float(np.abs(light).max())

@@ -207,14 +207,13 @@ def _analyze(arguments: argparse.Namespace) -> int:
 
 def _summarize(analysis: ToonAnalysis, drawing: str, folder: Path, notes: dict[str, Any]) -> None:
     from toonkit.export.report import ink_share  # noqa: PLC0415
-    from toonkit.model.light import light_angles  # noqa: PLC0415
+    from toonkit.model.light import describe_light  # noqa: PLC0415
 
-    azimuth, elevation = light_angles(analysis.light)
     estimate, materials = analysis.light_estimate, analysis.materials
     source = "given" if estimate is None else f"estimated, confidence {estimate.confidence:.2f}"
     seconds = sum(notes["seconds"].values())
     print(f"{drawing}: {int(analysis.image.mask.sum()):,} pixels analyzed in {seconds:.1f} s")
-    print(f"light: azimuth {round(azimuth) % 360}°, elevation {elevation:.0f}° ({source})")
+    print(f"light: {describe_light(analysis.light)} ({source})")
     if estimate is not None and estimate.confidence < UNSURE:
         print("       this light is a guess; if you know where it was, say so with --light AZ,EL")
     flat = int(materials.flat.sum())
