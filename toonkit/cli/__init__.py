@@ -1,4 +1,4 @@
-"""The command line: `toonkit analyze`, `toonkit relight`, `toonkit samples`, `toonkit study`.
+"""The command line: `toonkit analyze`, `toonkit relight`, `toonkit samples`, `toonkit dashboard`, `toonkit study`.
 
 Everything heavy is imported inside the commands, so that `toonkit --version` and `--help` answer at once.
 """
@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from toonkit._validation import ToonkitError, refuse
+from toonkit.cli.dashboard import add_dashboard_command
 from toonkit.cli.lights import parse_light
 from toonkit.cli.progress import StepBar
 from toonkit.cli.study import add_study_commands
@@ -157,6 +158,7 @@ def _parser() -> argparse.ArgumentParser:
 
     samples = commands.add_parser("samples", help="list the drawings that toonkit ships")
     samples.set_defaults(run=_samples)
+    add_dashboard_command(commands)
     add_study_commands(commands)
     return parser
 
