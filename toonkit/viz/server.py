@@ -42,11 +42,15 @@ def serve_page(
     ToonkitError
         If the port is none, in use, or not for this user.
     """
+
+    def visited() -> pmui.Page:  # Panel calls functions alone: of other callables it would show the answer
+        return app()
+
     if not 1 <= port <= HIGHEST_PORT:
         raise refuse("port", f"must be a number from 1 to {HIGHEST_PORT}", port)
     try:
         server = pn.serve(
-            {name: app},
+            {name: visited},
             title={name: ""},  # that of the page, and not "Panel Application"
             port=port,
             address="localhost",
