@@ -87,6 +87,30 @@ def test_the_materials_of_one_analysis_serve_another(analysis):
     assert np.array_equal(second.materials.labels, first.materials.labels)
 
 
+def leaning(drawing, light, *, previous=None, progress=None):
+    """A method of one's own: the inflated normals, and the color maps that fit them."""
+    normals = drawing.initial_normals
+    materials = toonkit.fit_color_maps(drawing, toonkit.illumination(normals, light))
+    return toonkit.ToonAnalysis(drawing, "leaning", light, normals, normals, materials)
+
+
+def test_a_method_of_ones_own_is_analyzed_and_relit_like_the_others(analysis, monkeypatch):
+    labels = np.indices(analysis.image.shape)[1] // 40
+    monkeypatch.setitem(METHODS, "leaning", leaning)
+    ours = analyze(analysis.image, ANGLES, method="leaning", materials=labels)
+    theirs = analyze(analysis.image, ANGLES, method="lumo", materials=labels)
+    assert repr(ours) == repr(theirs).replace("lumo", "leaning")
+    assert np.array_equal(relight(ours, (30, 50)).color, relight(theirs, (30, 50)).color, equal_nan=True)
+    assert analyze(analysis.image, (125, 50), method="leaning", previous=ours).method == "leaning"
+
+
+def test_one_color_map_paints_the_whole_object(analysis):
+    normals = analysis.normals
+    found = toonkit.ToonAnalysis(analysis.drawing, "mine", LIGHT, normals, normals, SOFT)
+    assert found.color_map is SOFT
+    assert np.array_equal(found.materials.labels >= 0, analysis.image.mask)
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
@@ -127,6 +151,14 @@ def test_the_materials_of_one_analysis_serve_another(analysis):
         (
             lambda a: analyze(a.image, method=METHODS["todo"]),
             r'METHODS\["name"\] = function adds a method; got the function todo',
+        ),
+        (
+            lambda a: toonkit.ToonAnalysis(a.image, "mine", LIGHT, a.normals, a.normals, [SOFT]),
+            r"materials must be a Materials \(pass toonkit.fit_color_maps",
+        ),
+        (
+            lambda a: toonkit.extract_color_map(a.image, np.zeros(a.image.shape, np.uint8)),
+            r"stroke must be a \(H, W\) bool array, such as array > 0; got an array of shape .*uint8",
         ),
         (lambda a: sample_path("kat"), r"got 'kat'; did you mean 'cat'\?"),
         (lambda a: a.image.save("relit.jpg"), r"path must end in .png or .webp; got relit.jpg"),

@@ -15,7 +15,7 @@ The model is c = M(L · N), with a color map M for each material, under ink. Whe
 from toonkit._validation import ToonkitError
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.color_map_extraction import extract_color_map
-from toonkit.estimation.color_map_fit import fit_color_map, illumination_interval
+from toonkit.estimation.color_map_fit import fit_color_map, fit_color_maps, illumination_interval
 from toonkit.estimation.energy import RefinementOptions
 from toonkit.estimation.inflation import inflate
 from toonkit.estimation.light_fit import LightEstimate, estimate_light
@@ -67,6 +67,7 @@ __all__ = [
     "extract_color_map",
     "find_materials",
     "fit_color_map",
+    "fit_color_maps",
     "height_map",
     "height_mesh",
     "illumination",

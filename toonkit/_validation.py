@@ -27,6 +27,7 @@ SOURCES = {
     "ToonImage": "toonkit.load_image(path) or toonkit.ToonImage(color, mask)",
     "NormalField": "toonkit.NormalField(vectors, mask), or analysis.normals",
     "ColorMap": "toonkit.ColorMap(colors), or one of analysis.materials.color_maps",
+    "Materials": "toonkit.fit_color_maps(image, illumination), or analysis.materials",
     "ToonAnalysis": "toonkit.analyze(image), or toonkit.load_analysis(path)",
     "IlluminationInterval": "toonkit.illumination_interval(image, color_map)",
     "HeightField": "toonkit.height_map(normals)",

@@ -8,7 +8,7 @@ from os import PathLike
 
 import numpy as np
 
-from toonkit._validation import FloatArray, refuse
+from toonkit._validation import FloatArray, of_type, refuse
 from toonkit.estimation.color_map_fit import allowed_intervals
 from toonkit.estimation.light_fit import LightEstimate
 from toonkit.estimation.preparation import PreparedDrawing, prepare
@@ -44,7 +44,8 @@ class ToonAnalysis:
     initial_normals : NormalField
         Inflated normals N0.
     materials : Materials
-        Which pixels are painted with which color map M, re-estimated on the refined normals.
+        Which pixels are painted with which color map M, re-estimated on the refined normals (`toonkit.fit_color_maps`);
+        given as a `ColorMap`, the whole object is painted with it.
     report : SolverReport
         How the refinement went; by default, that there was none.
     light_estimate : LightEstimate or None
@@ -64,6 +65,9 @@ class ToonAnalysis:
     drawing: PreparedDrawing = field(kw_only=True, default=None)  # type: ignore[assignment]  # None until __post_init__
 
     def __post_init__(self) -> None:
+        if isinstance(self.materials, ColorMap):
+            object.__setattr__(self, "materials", Materials.single(self.image.mask, self.materials))
+        of_type("materials", self.materials, Materials)
         if self.drawing is None or self.drawing.image is not self.image:
             object.__setattr__(self, "drawing", prepare(self.image, materials=self.materials.labels))
             object.__setattr__(self, "image", self.drawing.image)

@@ -48,6 +48,8 @@ def test_relight_is_served_and_opened_until_it_is_interrupted(tmp_path, page, co
         page.wait_for_selector(".relight:not(.empty)", timeout=START_SECONDS * 1000)
         assert page.title() == "toonkit · relight a drawing"
         page.goto("about:blank")
+        with socket.socket() as other:  # whoever listens on all addresses has this one, too
+            other.bind(("127.0.0.2", int(url.split(":")[2].partition("/")[0])))
         server.send_signal(signal.SIGINT)
         assert server.wait(STOP_SECONDS) == 0
     address = url.replace("127.0.0.1", "localhost")

@@ -52,7 +52,7 @@ METHODS: dict[str, Method] = {
     "lumo": lumo,
     "lambert": lambert,
 }
-"""Name -> estimator. Adding one is `METHODS["name"] = function`."""
+"""Name -> estimator. Adding one is `METHODS["name"] = function`, called as `Method` says."""
 
 
 def analyze(
