@@ -160,6 +160,23 @@ def test_one_color_map_paints_the_whole_object(analysis):
             lambda a: toonkit.extract_color_map(a.image, np.zeros(a.image.shape, np.uint8)),
             r"stroke must be a \(H, W\) bool array, such as array > 0; got an array of shape .*uint8",
         ),
+        (
+            lambda a: relight(a, toonkit.LightEstimate(LIGHT, 0.5)),
+            r"new_light must be .*; got LightEstimate \(pass its .light\)",
+        ),
+        (lambda a: toonkit.inflate(a.image), r"mask must be .*, such as image.mask; got ToonImage"),
+        (
+            lambda a: toonkit.ToonImage("cat.png", a.image.mask),
+            r"color must hold real numbers; got 'cat.png'",
+        ),
+        (
+            lambda a: toonkit.height_mesh(toonkit.height_map(a.normals), color="cat.png"),
+            "color must be a ToonImage",
+        ),
+        (
+            lambda a: toonkit.refine(a.normals, LIGHT, a.intervals(), options={"margin": 0.1}),
+            r"options must be a RefinementOptions \(pass .*\); got dict",
+        ),
         (lambda a: sample_path("kat"), r"got 'kat'; did you mean 'cat'\?"),
         (lambda a: a.image.save("relit.jpg"), r"path must end in .png or .webp; got relit.jpg"),
         (lambda a: a.save("egg.zip"), r"path must end in .npz; got egg.zip"),

@@ -30,6 +30,7 @@ SOURCES = {
     "Materials": "toonkit.fit_color_maps(image, illumination), or analysis.materials",
     "ToonAnalysis": "toonkit.analyze(image), or toonkit.load_analysis(path)",
     "IlluminationInterval": "toonkit.illumination_interval(image, color_map)",
+    "RefinementOptions": "toonkit.RefinementOptions(margin=0.1)",
     "HeightField": "toonkit.height_map(normals)",
 }
 """What to pass where an object of a class is wanted and something else came."""
@@ -61,7 +62,7 @@ def as_array(argument: str, value: ArrayLike, shape: tuple[int | None, ...]) -> 
             argument, "must be a rectangular array of numbers", "rows of different lengths"
         ) from error
     if array.dtype == object or array.dtype.kind not in "biuf":
-        raise refuse(argument, "must hold real numbers", f"dtype {array.dtype}")
+        raise refuse(argument, "must hold real numbers", describe_value(value))
     fits = array.ndim == len(shape) and all(
         want is None or have == want for have, want in zip(array.shape, shape, strict=True)
     )
@@ -135,9 +136,8 @@ def as_mask(argument: str, value: ArrayLike, shape: tuple[int, int] | None = Non
     except ValueError as error:
         raise refuse(argument, "must be a rectangular array", "rows of different lengths") from error
     if array.ndim != 2 or array.dtype.kind not in "biuf":
-        raise refuse(
-            argument, "must be a (H, W) array, True on the object", f"shape {array.shape}, {array.dtype}"
-        )
+        rule = "must be a (H, W) array, True on the object, such as image.mask"
+        raise refuse(argument, rule, describe_value(value))
     if array.dtype.kind == "f" and not np.isfinite(array).all():
         raise refuse(argument, "must be finite", f"{int((~np.isfinite(array)).sum())} NaN or infinite values")
     if shape is not None and array.shape != shape:
@@ -161,7 +161,7 @@ def as_labels(argument: str, value: ArrayLike, mask: BoolArray) -> NDArray[np.in
     except ValueError as error:
         raise refuse(argument, "must be a rectangular array", "rows of different lengths") from error
     if array.dtype.kind not in "iu":
-        raise refuse(argument, "must be an (H, W) array of integers", f"shape {array.shape}, {array.dtype}")
+        raise refuse(argument, "must be an (H, W) array of integers", describe_value(value))
     same_shape(argument, array.shape, mask.shape, "the picture")
     inside = array[mask].astype(np.intp)
     if inside.min() < -1:
@@ -183,7 +183,8 @@ def as_light(argument: str, value: ArrayLike) -> FloatArray:
             "must be a direction (x, y, z), or an azimuth and elevation in degrees: "
             "toonkit.light_direction(azimuth, elevation)"
         )
-        raise refuse(argument, rule, describe_value(value)) from error
+        hint = " (pass its .light)" if hasattr(value, "light") else ""
+        raise refuse(argument, rule, f"{describe_value(value)}{hint}") from error
     if not np.isfinite(light).all():
         raise refuse(argument, "must be finite", np.array2string(light))
     largest = float(np.abs(light).max())

@@ -131,6 +131,7 @@ def height_mesh(field: HeightField, *, color: ToonImage | None = None) -> trimes
     )
     vertex_colors = None
     if color is not None:
+        of_type("color", color, ToonImage)
         same_mask("color", color.mask, field.mask, "the height field")
         vertex_colors = color.to_rgba()[grid.mask]
     return trimesh.Trimesh(vertices, _faces(grid), vertex_colors=vertex_colors, process=False)
