@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 import toonkit
-from toonkit.export.label_picture import label_picture
+from toonkit.model.label_colors import label_picture
 
 TILE = 320
 """Pixels along each side of a picture on a sheet."""

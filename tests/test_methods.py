@@ -99,7 +99,7 @@ def test_one_single_color_keeps_the_inflated_shape_and_stays_that_color(method):
         ([0, 0, 0], "zero vector"),
         ([0, 0.5, -1], "behind"),
         ([np.nan, 0, 1], "finite"),
-        ([0, 1, 2, 3], "shape"),
+        ([0, 1, 2, 3], "direction"),
     ],
 )
 def test_a_light_that_is_none_is_refused(egg, light, words):

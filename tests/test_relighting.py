@@ -60,7 +60,7 @@ def test_the_fringe_moves_with_the_nearest_object_pixel():
 
 
 @pytest.mark.parametrize(
-    ("light", "words"), [([0, 0, 0], "zero"), ([0, 0, -1], "behind"), ("up", "real numbers")]
+    ("light", "words"), [([0, 0, 0], "zero"), ([0, 0, -1], "behind"), ("up", "direction")]
 )
 def test_a_new_light_that_is_none_is_refused_by_its_name(analysis, light, words):
     with pytest.raises(ToonkitError, match=f"new_light.*{words}"):

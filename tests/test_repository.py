@@ -163,10 +163,9 @@ def test_what_readme_installs_is_what_the_tests_ran_with() -> None:
     assert [line for line in installs if not line.startswith("-c constraints.txt ")] == []
 
 
-def test_what_readme_serves_is_for_this_machine_only() -> None:
-    served = re.findall(r"panel serve ([^`\n]*)", README)
-    assert served
-    assert [line for line in served if "--address localhost" not in line] == []
+def test_readme_serves_by_the_command_that_listens_to_this_machine_only() -> None:
+    assert " && .venv/bin/toonkit dashboard\n" in README
+    assert "panel serve" not in README
 
 
 def test_notebooks_are_committed_without_output() -> None:

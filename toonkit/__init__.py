@@ -15,15 +15,23 @@ The model is c = M(L · N), with a color map M for each material, under ink. Whe
 from toonkit._validation import ToonkitError
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.color_map_extraction import extract_color_map
-from toonkit.estimation.color_map_fit import fit_color_map, illumination_interval
+from toonkit.estimation.color_map_fit import fit_color_map, fit_color_maps, illumination_interval
 from toonkit.estimation.energy import RefinementOptions
 from toonkit.estimation.inflation import inflate
 from toonkit.estimation.light_fit import LightEstimate, estimate_light
 from toonkit.estimation.preparation import find_materials
-from toonkit.estimation.refinement import refine
+from toonkit.estimation.refinement import Refinement, refine
+from toonkit.export.archive import load_analysis
 from toonkit.heightfield import HeightField, height_map, height_mesh
 from toonkit.methods import METHODS, analyze
-from toonkit.metrics import angular_error, color_difference, color_rmse, illumination_error, relight_response
+from toonkit.metrics import (
+    ErrorSummary,
+    angular_error,
+    color_difference,
+    color_rmse,
+    illumination_error,
+    relight_response,
+)
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.light import light_angles, light_direction
@@ -31,6 +39,7 @@ from toonkit.model.loading import load_image
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination, shade
+from toonkit.numerics.report import SolverReport
 from toonkit.relighting import relight
 
 __version__ = "0.1.0"
@@ -38,12 +47,15 @@ __version__ = "0.1.0"
 __all__ = [
     "METHODS",
     "ColorMap",
+    "ErrorSummary",
     "HeightField",
     "IlluminationInterval",
     "LightEstimate",
     "Materials",
     "NormalField",
+    "Refinement",
     "RefinementOptions",
+    "SolverReport",
     "ToonAnalysis",
     "ToonImage",
     "ToonkitError",
@@ -55,6 +67,7 @@ __all__ = [
     "extract_color_map",
     "find_materials",
     "fit_color_map",
+    "fit_color_maps",
     "height_map",
     "height_mesh",
     "illumination",
@@ -63,6 +76,7 @@ __all__ = [
     "inflate",
     "light_angles",
     "light_direction",
+    "load_analysis",
     "load_image",
     "refine",
     "relight",

@@ -6,6 +6,9 @@ Public functions pass their arguments through here; private ones trust what they
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from difflib import get_close_matches
+from os import PathLike
 from typing import TypeGuard
 
 import numpy as np
@@ -19,6 +22,21 @@ MIN_OBJECT_PIXELS = 9
 
 BEHIND = 1e-9
 """A light this far behind the image plane is a rounding error of one that lies in it."""
+
+SOURCES = {
+    "ToonImage": "toonkit.load_image(path) or toonkit.ToonImage(color, mask)",
+    "NormalField": "toonkit.NormalField(vectors, mask), or analysis.normals",
+    "ColorMap": "toonkit.ColorMap(colors), or one of analysis.materials.color_maps",
+    "Materials": "toonkit.fit_color_maps(image, illumination), or analysis.materials",
+    "ToonAnalysis": "toonkit.analyze(image), or toonkit.load_analysis(path)",
+    "IlluminationInterval": "toonkit.illumination_interval(image, color_map)",
+    "RefinementOptions": "toonkit.RefinementOptions(margin=0.1)",
+    "HeightField": "toonkit.height_map(normals)",
+}
+"""What to pass where an object of a class is wanted and something else came."""
+
+LONGEST_SHOWN = 60
+"""Characters of a text that a message repeats."""
 
 
 class ToonkitError(ValueError):
@@ -44,7 +62,7 @@ def as_array(argument: str, value: ArrayLike, shape: tuple[int | None, ...]) -> 
             argument, "must be a rectangular array of numbers", "rows of different lengths"
         ) from error
     if array.dtype == object or array.dtype.kind not in "biuf":
-        raise refuse(argument, "must hold real numbers", f"dtype {array.dtype}")
+        raise refuse(argument, "must hold real numbers", describe_value(value))
     fits = array.ndim == len(shape) and all(
         want is None or have == want for have, want in zip(array.shape, shape, strict=True)
     )
@@ -67,8 +85,39 @@ def as_coverage(argument: str, value: ArrayLike, shape: tuple[int, int]) -> Floa
 def of_type(argument: str, value: object, wanted: type) -> None:
     """Refuse a value that is not an instance of a class of ours."""
     if not isinstance(value, wanted):
-        source = " (see toonkit.load_image)" if wanted.__name__ == "ToonImage" else ""
-        raise refuse(argument, f"must be a {wanted.__name__}{source}", type(value).__name__)
+        name = wanted.__name__
+        advice = f" (pass {SOURCES[name]})" if name in SOURCES else ""
+        article = "an" if name[0] in "AEIOU" else "a"
+        raise refuse(argument, f"must be {article} {name}{advice}", describe_value(value))
+
+
+def describe_value(value: object) -> str:
+    """Describe, for a message, a value of the wrong kind: text as it is, an array by its shape, else its type."""
+    if isinstance(value, str | PathLike):
+        text = repr(value)
+        return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…"
+    if isinstance(value, np.ndarray):
+        return f"an array of shape {value.shape}, {value.dtype}"
+    if isinstance(value, tuple | list) and len(repr(value)) > LONGEST_SHOWN:
+        return f"a {type(value).__name__} of length {len(value)}"
+    if value is None or isinstance(value, int | float | complex | tuple | list):
+        return repr(value)
+    return type(value).__name__
+
+
+def one_of(argument: str, value: object, names: Iterable[str]) -> None:
+    """Refuse a value that is none of some names, and point to the one that is spelled most like it."""
+    known = tuple(names)
+    if isinstance(value, str):
+        if value in known:
+            return
+        lowered = {name.lower(): name for name in known}
+        hint = "".join(
+            f"; did you mean {lowered[name]!r}?" for name in get_close_matches(value.lower(), lowered, 1)
+        )
+    else:
+        hint = ""
+    raise refuse(argument, f"must be one of {', '.join(known)}", f"{value!r}{hint}")
 
 
 def same_mask(argument: str, mask: BoolArray, wanted: BoolArray, of: str) -> None:
@@ -87,9 +136,8 @@ def as_mask(argument: str, value: ArrayLike, shape: tuple[int, int] | None = Non
     except ValueError as error:
         raise refuse(argument, "must be a rectangular array", "rows of different lengths") from error
     if array.ndim != 2 or array.dtype.kind not in "biuf":
-        raise refuse(
-            argument, "must be a (H, W) array, True on the object", f"shape {array.shape}, {array.dtype}"
-        )
+        rule = "must be a (H, W) array, True on the object, such as image.mask"
+        raise refuse(argument, rule, describe_value(value))
     if array.dtype.kind == "f" and not np.isfinite(array).all():
         raise refuse(argument, "must be finite", f"{int((~np.isfinite(array)).sum())} NaN or infinite values")
     if shape is not None and array.shape != shape:
@@ -113,7 +161,7 @@ def as_labels(argument: str, value: ArrayLike, mask: BoolArray) -> NDArray[np.in
     except ValueError as error:
         raise refuse(argument, "must be a rectangular array", "rows of different lengths") from error
     if array.dtype.kind not in "iu":
-        raise refuse(argument, "must be an (H, W) array of integers", f"shape {array.shape}, {array.dtype}")
+        raise refuse(argument, "must be an (H, W) array of integers", describe_value(value))
     same_shape(argument, array.shape, mask.shape, "the picture")
     inside = array[mask].astype(np.intp)
     if inside.min() < -1:
@@ -128,7 +176,15 @@ def as_labels(argument: str, value: ArrayLike, mask: BoolArray) -> NDArray[np.in
 
 def as_light(argument: str, value: ArrayLike) -> FloatArray:
     """Return a unit (3,) direction from the surface to a light on the viewer's side of the image plane."""
-    light = as_array(argument, value, (3,))
+    try:
+        light = as_array(argument, value, (3,))
+    except ToonkitError as error:
+        rule = (
+            "must be a direction (x, y, z), or an azimuth and elevation in degrees: "
+            "toonkit.light_direction(azimuth, elevation)"
+        )
+        hint = " (pass its .light)" if hasattr(value, "light") else ""
+        raise refuse(argument, rule, f"{describe_value(value)}{hint}") from error
     if not np.isfinite(light).all():
         raise refuse(argument, "must be finite", np.array2string(light))
     largest = float(np.abs(light).max())

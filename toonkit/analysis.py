@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from os import PathLike
 
 import numpy as np
 
-from toonkit._validation import FloatArray, refuse
+from toonkit._validation import FloatArray, of_type, refuse
 from toonkit.estimation.color_map_fit import allowed_intervals
 from toonkit.estimation.light_fit import LightEstimate
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.model.color_map import ColorMap, IlluminationInterval
+from toonkit.model.description import describe_object
 from toonkit.model.image import ToonImage
+from toonkit.model.light import describe_light
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination
@@ -41,7 +44,8 @@ class ToonAnalysis:
     initial_normals : NormalField
         Inflated normals N0.
     materials : Materials
-        Which pixels are painted with which color map M, re-estimated on the refined normals.
+        Which pixels are painted with which color map M, re-estimated on the refined normals (`toonkit.fit_color_maps`);
+        given as a `ColorMap`, the whole object is painted with it.
     report : SolverReport
         How the refinement went; by default, that there was none.
     light_estimate : LightEstimate or None
@@ -61,9 +65,23 @@ class ToonAnalysis:
     drawing: PreparedDrawing = field(kw_only=True, default=None)  # type: ignore[assignment]  # None until __post_init__
 
     def __post_init__(self) -> None:
+        if isinstance(self.materials, ColorMap):
+            object.__setattr__(self, "materials", Materials.single(self.image.mask, self.materials))
+        of_type("materials", self.materials, Materials)
         if self.drawing is None or self.drawing.image is not self.image:
             object.__setattr__(self, "drawing", prepare(self.image, materials=self.materials.labels))
             object.__setattr__(self, "image", self.drawing.image)
+
+    def __repr__(self) -> str:
+        estimate, count = self.light_estimate, self.materials.count
+        origin = "given" if estimate is None else f"estimated, confidence {estimate.confidence:.2f}"
+        parts = (
+            f"method {self.method!r}",
+            describe_object(self.image.mask),
+            "1 material" if count == 1 else f"{count} materials",
+            f"light at {describe_light(self.light)} ({origin})",
+        )
+        return f"ToonAnalysis({', '.join(parts)})"
 
     @property
     def illumination(self) -> FloatArray:
@@ -102,6 +120,24 @@ class ToonAnalysis:
     def intervals(self) -> IlluminationInterval:
         """Range of illumination that each pixel's painted color allows, (H, W) bounds, NaN outside the mask."""
         return self.drawing.interval(allowed_intervals(self.drawing, self.materials.color_maps))
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """
+        Write the analysis to one file, which `toonkit.load_analysis` reads.
+
+        Parameters
+        ----------
+        path : path
+            Ends in .npz. An older file is replaced once the new one is complete.
+
+        Raises
+        ------
+        ToonkitError
+            If the suffix is another or the file cannot be written.
+        """
+        from toonkit.export.archive import save_analysis  # noqa: PLC0415 - archives stand above analyses
+
+        save_analysis(self, path)
 
     def _shaded(self) -> Iterator[tuple[IndexArray | slice, FloatArray, FloatArray]]:
         """Yield of each shaded material its pixels, its lit tone (3,), and the colors that its map gives them (p, 3)."""

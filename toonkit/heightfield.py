@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import label
 
 from toonkit._validation import BoolArray, FloatArray, of_type, same_mask
+from toonkit.model.description import describe_object
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.numerics.masked_grid import DOWN, LEFT, OUTSIDE, RIGHT, UP, MaskedGrid
@@ -47,6 +48,9 @@ class HeightField:
     height: FloatArray
     mask: BoolArray
     report: SolverReport
+
+    def __repr__(self) -> str:
+        return f"HeightField({describe_object(self.mask)}, 0 to {np.nanmax(self.height):.1f} pixels high)"
 
 
 def height_map(normals: NormalField) -> HeightField:
@@ -127,6 +131,7 @@ def height_mesh(field: HeightField, *, color: ToonImage | None = None) -> trimes
     )
     vertex_colors = None
     if color is not None:
+        of_type("color", color, ToonImage)
         same_mask("color", color.mask, field.mask, "the height field")
         vertex_colors = color.to_rgba()[grid.mask]
     return trimesh.Trimesh(vertices, _faces(grid), vertex_colors=vertex_colors, process=False)

@@ -53,6 +53,12 @@ class ErrorSummary:
     percentile_95: float
     mean_without_rim: float
 
+    def __repr__(self) -> str:
+        return (
+            f"ErrorSummary(mean {self.mean:.3g}, median {self.median:.3g}, 95th percentile {self.percentile_95:.3g}, "
+            f"mean without rim {self.mean_without_rim:.3g})"
+        )
+
 
 @dataclass(frozen=True)
 class PictureError:

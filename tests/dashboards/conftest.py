@@ -67,7 +67,7 @@ def served(name, log, *arguments):
     ):
         url = f"http://127.0.0.1:{port}/{name}"
         try:
-            _wait_for(url, server, log)
+            wait_until_served(url, server, log)
             yield url
         finally:
             server.terminate()
@@ -119,7 +119,7 @@ def wait_until_all_have_left(url):
     return census(url)
 
 
-def _wait_for(url, server, log):
+def wait_until_served(url, server, log):
     end = time.monotonic() + START_SECONDS
     while time.monotonic() < end:
         if server.poll() is not None:

@@ -165,9 +165,9 @@ def test_a_picture_that_cannot_be_read_is_reported_and_nothing_changes(relight_p
 
 def test_a_picture_of_ones_own_is_analyzed(relight_page):
     upload_ball(relight_page, 96)
-    assert (
-        relight_page.locator('[data-value][aria-checked="true"]').count() == 1
-    )  # no sample is chosen any more
+    chosen = relight_page.locator('[data-value][aria-checked="true"]')
+    # The method alone: no sample any more, and no material once the tab shows the new drawing.
+    assert until(relight_page, lambda: chosen.count() == 1)
 
 
 def test_a_chosen_material_shows_where_it_is_and_that_its_ramp_is_derived(relight_page):

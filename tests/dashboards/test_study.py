@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import runpy
 import time
-from pathlib import Path
 
 import pytest
 
 from tests.dashboards.conftest import wait_until_all_have_left
+from toonkit.viz.study_page.page import study_page as study_page_of
 
 pytestmark = pytest.mark.browser
-
-DASHBOARD = Path(__file__).parents[2] / "dashboards" / "study.py"
 
 # Where on the screen a place of the heat map lies, and what its color bar says.
 ON_SCREEN = """([x, y]) => {
@@ -103,11 +100,8 @@ def test_a_study_page_is_freed_once_its_visitor_has_left(browser, study_url):
     assert counts.get("Page", 0) <= 1  # Panel may keep the first page of a process
 
 
-def test_without_a_study_the_page_says_how_to_make_one(tmp_path, monkeypatch):
-    import panel as pn
-
-    monkeypatch.setattr(pn, "extension", lambda *_, **__: None)  # it would set up this process, not a page
-    page = runpy.run_path(str(DASHBOARD))["study_page"](tmp_path)
+def test_without_a_study_the_page_says_how_to_make_one(tmp_path):
+    page = study_page_of(tmp_path)
     ((message,),) = page.main[0]
     assert "toonkit study run -o study/" in message.object
     assert str(tmp_path) in message.object

@@ -79,7 +79,10 @@ def test_pixels_that_the_object_covers_in_part_stay_out_of_the_color_map() -> No
             r"stroke must have the size of the picture \(40, 40\); got \(40, 41\)",
         ),
         (np.ones((40, 40, 3), dtype=bool), r"stroke must be a \(H, W\) bool array"),
-        (np.ones((40, 40)), r"stroke must be a \(H, W\) bool array; got shape \(40, 40\), float64"),
+        (
+            np.ones((40, 40)),
+            r"stroke must be a \(H, W\) bool array, such as array > 0; got an array of shape \(40, 40\)",
+        ),
         (row_stroke(40, 3), "stroke must pass over the object; got 40 pixels, none of them on it"),
         (np.zeros((40, 40), dtype=bool), "stroke must pass over the object"),
         (np.arange(1600).reshape(40, 40) == 800, "stroke must pass over at least 2 object pixels; got 1"),

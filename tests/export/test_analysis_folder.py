@@ -8,9 +8,9 @@ from PIL import Image
 
 import toonkit
 from toonkit.export.folder import make_folder, write_analysis_folder
-from toonkit.export.label_picture import label_picture
 from toonkit.export.line_art import line_art
 from toonkit.export.report import analysis_report
+from toonkit.model.label_colors import label_picture
 
 NAMES = [
     "analysis.npz",

@@ -5,7 +5,7 @@ import pytest
 
 from toonkit import ToonkitError, light_direction
 from toonkit.export.contact_sheet import MATTE, STANDARD_LIGHTS, contact_sheet
-from toonkit.export.label_picture import label_picture
+from toonkit.model.label_colors import label_picture
 
 RIGHT, LEFT = light_direction(0, 20), light_direction(180, 20)
 TILE, GAP, MARGIN = 264, 18, 28

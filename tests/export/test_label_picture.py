@@ -5,8 +5,9 @@ import pytest
 from PIL import Image
 
 from toonkit import ToonkitError
-from toonkit.export.label_picture import MOST_LABELS, label_picture, read_labels
+from toonkit.export.label_picture import MOST_LABELS, read_labels
 from toonkit.export.picture import write_picture
+from toonkit.model.label_colors import label_picture
 from toonkit.model.oklab import srgb_to_oklab
 
 BLOCKS = np.kron([[0, 0, 0], [1, 1, -1], [2, 2, -1]], np.ones((4, 4), int))

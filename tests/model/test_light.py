@@ -64,9 +64,9 @@ def test_angles_that_are_no_numbers_are_refused(argument, bad):
         ([0, 0, 0], "must point somewhere"),
         ([0, 0, -1], "behind the picture"),
         ([np.nan, 0, 1], "must be finite"),
-        ([0, 1], r"must have shape \(3\)"),
-        (["a", "b", "c"], "real numbers"),
-        ([1j, 0, 1], "real numbers"),
+        ([0, 1], r"must be a direction \(x, y, z\)"),
+        (["a", "b", "c"], "must be a direction"),
+        ([1j, 0, 1], "must be a direction"),
     ],
 )
 def test_vectors_that_are_no_lights_are_refused(light, reason):

@@ -1,4 +1,4 @@
-"""The command line: `toonkit analyze`, `toonkit relight`, `toonkit samples`, `toonkit study`.
+"""The command line: `toonkit analyze`, `toonkit relight`, `toonkit samples`, `toonkit dashboard`, `toonkit study`.
 
 Everything heavy is imported inside the commands, so that `toonkit --version` and `--help` answer at once.
 """
@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from toonkit._validation import ToonkitError, refuse
+from toonkit.cli.dashboard import add_dashboard_command
 from toonkit.cli.lights import parse_light
 from toonkit.cli.progress import StepBar
 from toonkit.cli.study import add_study_commands
@@ -157,6 +158,7 @@ def _parser() -> argparse.ArgumentParser:
 
     samples = commands.add_parser("samples", help="list the drawings that toonkit ships")
     samples.set_defaults(run=_samples)
+    add_dashboard_command(commands)
     add_study_commands(commands)
     return parser
 
@@ -207,14 +209,13 @@ def _analyze(arguments: argparse.Namespace) -> int:
 
 def _summarize(analysis: ToonAnalysis, drawing: str, folder: Path, notes: dict[str, Any]) -> None:
     from toonkit.export.report import ink_share  # noqa: PLC0415
-    from toonkit.model.light import light_angles  # noqa: PLC0415
+    from toonkit.model.light import describe_light  # noqa: PLC0415
 
-    azimuth, elevation = light_angles(analysis.light)
     estimate, materials = analysis.light_estimate, analysis.materials
     source = "given" if estimate is None else f"estimated, confidence {estimate.confidence:.2f}"
     seconds = sum(notes["seconds"].values())
     print(f"{drawing}: {int(analysis.image.mask.sum()):,} pixels analyzed in {seconds:.1f} s")
-    print(f"light: azimuth {round(azimuth) % 360}°, elevation {elevation:.0f}° ({source})")
+    print(f"light: {describe_light(analysis.light)} ({source})")
     if estimate is not None and estimate.confidence < UNSURE:
         print("       this light is a guess; if you know where it was, say so with --light AZ,EL")
     flat = int(materials.flat.sum())

@@ -137,7 +137,7 @@ class _ViewOfLastMesh(argparse.Action):
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    _refuse_without_extra()
+    refuse_without_extra()
     from toonkit.study.runner import run_study  # noqa: PLC0415
     from toonkit.study.table import TABLE_NAME  # noqa: PLC0415
 
@@ -211,7 +211,7 @@ def _parse_view(text: str | None) -> View | None:
 
 
 def _report(arguments: argparse.Namespace) -> int:
-    _refuse_without_extra()
+    refuse_without_extra()
     from toonkit.export.folder import make_folder  # noqa: PLC0415
     from toonkit.study.reporting.cells import on_track, tracks  # noqa: PLC0415
     from toonkit.study.reporting.report import REPORT_NAME, write_report  # noqa: PLC0415
@@ -250,7 +250,8 @@ def _list(_: argparse.Namespace) -> int:
     return 0
 
 
-def _refuse_without_extra() -> None:
+def refuse_without_extra() -> None:
+    """Refuse to go on where the packages of the extra "study" are not installed."""
     try:
         import pandas  # noqa: F401, PLC0415
     except ImportError as error:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from toonkit._validation import refuse, same_shape
+from toonkit._validation import describe_value, refuse, same_shape
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
@@ -51,7 +51,7 @@ def extract_color_map(image: ToonImage | PreparedDrawing, stroke: ArrayLike) -> 
     drawing = prepare(image)
     passes = np.asarray(stroke)
     if passes.ndim != 2 or passes.dtype != np.bool_:
-        raise refuse("stroke", "must be a (H, W) bool array", f"shape {passes.shape}, {passes.dtype}")
+        raise refuse("stroke", "must be a (H, W) bool array, such as array > 0", describe_value(passes))
     same_shape("stroke", passes.shape, drawing.shape, "the picture")
     touched = passes & drawing.mask
     if not touched.any():

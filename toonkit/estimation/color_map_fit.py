@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +15,7 @@ from toonkit.illustration.flat_shading import derived_shadow
 from toonkit.model.color_map import HALF_STEP, ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.luminance import linear_to_srgb
+from toonkit.model.materials import Materials
 from toonkit.numerics.bands import run_in_pieces
 
 SAMPLES = 1024
@@ -59,12 +61,42 @@ def fit_color_map(image: ToonImage | PreparedDrawing, illumination: ArrayLike) -
     [[0.3, 0.2, 0.4], [0.9, 0.8, 0.7]]
     """
     drawing = prepare(image)
-    light = as_array("illumination", illumination, (None, None))
-    same_shape("illumination", light.shape, drawing.mask.shape, "the picture")
-    pairs = light[drawing.mask]
-    if not (np.isfinite(pairs).all() and np.abs(pairs).max() <= 1 + 1e-9):
-        raise refuse("illumination", "must lie in [-1, 1] on the object", "values outside it or NaN")
-    return rank_matched(drawing.tones, np.clip(pairs, -1.0, 1.0))
+    return rank_matched(drawing.tones, _on_object(illumination, drawing))
+
+
+def fit_color_maps(image: ToonImage | PreparedDrawing, illumination: ArrayLike) -> Materials:
+    """
+    Estimate the color map of each material of a picture: what a method does once it has its normals.
+
+    Parameters
+    ----------
+    image : ToonImage or PreparedDrawing
+        The picture.
+    illumination : array_like, shape (H, W)
+        L · N in [-1, 1] on the object.
+
+    Returns
+    -------
+    Materials
+        The picture's materials with their color maps: those of shaded materials as in `fit_color_map`, each from its own
+        pixels; those of flat ones derived from them.
+
+    Raises
+    ------
+    ToonkitError
+        If the illumination has another size or is NaN or outside [-1, 1] on the object.
+
+    Examples
+    --------
+    >>> illumination = np.tile(np.linspace(-1, 1, 32), (32, 1))
+    >>> color = np.full((32, 32, 3), (0.8, 0.2, 0.2))
+    >>> color[16:] = (0.2, 0.3, 0.8)
+    >>> len(fit_color_maps(ToonImage(color, np.ones((32, 32), bool)), illumination).color_maps)
+    2
+    """
+    drawing = prepare(image)
+    color_maps = fit_materials(drawing, _on_object(illumination, drawing))
+    return replace(drawing.materials, color_maps=color_maps)
 
 
 def illumination_interval(image: ToonImage | PreparedDrawing, color_map: ColorMap) -> IlluminationInterval:
@@ -190,6 +222,16 @@ def painted_interval(
     lower, upper = allowed.lower.copy(), allowed.upper.copy()
     lower[mixed], upper[mixed] = narrow.lower, narrow.upper
     return IlluminationInterval(lower, upper)
+
+
+def _on_object(illumination: ArrayLike, drawing: PreparedDrawing) -> FloatArray:
+    """Check an illumination (H, W), and return that of the object's pixels (P,)."""
+    values = as_array("illumination", illumination, (None, None))
+    same_shape("illumination", values.shape, drawing.mask.shape, "the picture")
+    inside = values[drawing.mask]
+    if not (np.isfinite(inside).all() and np.abs(inside).max() <= 1 + 1e-9):
+        raise refuse("illumination", "must lie in [-1, 1] on the object", "values outside it or NaN")
+    return np.clip(inside, -1.0, 1.0)
 
 
 def _tolerance(tones: PaintedTones) -> float:

@@ -11,7 +11,7 @@ from toonkit.estimation.light_prior import LightBelief, believed_light
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.estimation.shape_prior import misfit
 from toonkit.model.image import ToonImage
-from toonkit.model.light import light_direction
+from toonkit.model.light import describe_light, light_direction
 from toonkit.model.normals import NormalField
 from toonkit.numerics.bands import single_threaded_blas
 
@@ -56,6 +56,9 @@ class LightEstimate:
 
     light: FloatArray
     confidence: float
+
+    def __repr__(self) -> str:
+        return f"LightEstimate({describe_light(self.light)}, confidence {self.confidence:.2f})"
 
 
 def estimate_light(

@@ -21,6 +21,7 @@ from toonkit.illustration.materials import FoundMaterials, label_materials, show
 from toonkit.illustration.mixed_pixels import MixedPixels, mixtures
 from toonkit.illustration.noise import without_noise
 from toonkit.model.color_map import IlluminationInterval
+from toonkit.model.description import describe_object
 from toonkit.model.image import ToonImage
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
@@ -66,6 +67,9 @@ class PreparedDrawing:
         self.image = image
         self.box = bounding_box(image.mask)
         self._given_labels = None if materials is None else as_labels("materials", materials, image.mask)
+
+    def __repr__(self) -> str:
+        return f"PreparedDrawing({describe_object(self.mask)})"
 
     @property
     def mask(self) -> BoolArray:
@@ -236,7 +240,9 @@ class PreparedDrawing:
         return label_materials(self.frame, self.ink.coverage, self.framed_normals, labels=labels)
 
 
-def prepare(drawing: ToonImage | PreparedDrawing, *, materials: ArrayLike | None = None) -> PreparedDrawing:
+def prepare(
+    drawing: ToonImage | PreparedDrawing, *, materials: ArrayLike | Materials | None = None
+) -> PreparedDrawing:
     """
     Prepare a drawing for analysis.
 
@@ -244,7 +250,7 @@ def prepare(drawing: ToonImage | PreparedDrawing, *, materials: ArrayLike | None
     ----------
     drawing : ToonImage or PreparedDrawing
         The drawing; one that is prepared returns as it is, unless other materials are given.
-    materials : array_like of int, shape (H, W), optional
+    materials : array_like of int, shape (H, W), or Materials, optional
         Number of the material of each pixel, 0 and up, and -1 where that is left to toonkit; ignored outside the mask.
         Found if not given.
 
@@ -258,6 +264,8 @@ def prepare(drawing: ToonImage | PreparedDrawing, *, materials: ArrayLike | None
     ToonkitError
         If the drawing is neither, its object has more than `MOST_PIXELS` pixels, or the materials are no such numbers.
     """
+    if isinstance(materials, Materials):
+        materials = materials.labels
     if isinstance(drawing, PreparedDrawing):
         return drawing if materials is None else PreparedDrawing(drawing.image, materials)
     of_type("image", drawing, ToonImage)

@@ -13,7 +13,6 @@ from toonkit._validation import (
     BoolArray,
     FloatArray,
     as_coverage,
-    as_light,
     of_type,
     refuse,
     same_mask,
@@ -22,6 +21,7 @@ from toonkit._validation import (
 from toonkit.estimation.energy import RefinementOptions, change_energy
 from toonkit.estimation.islands import Island, islands_of, join
 from toonkit.model.color_map import IlluminationInterval
+from toonkit.model.light import direction_of
 from toonkit.model.normals import NormalField
 from toonkit.numerics.gauss_seidel import over_relaxed_sweeps
 from toonkit.numerics.report import SolverReport, join_reports
@@ -72,8 +72,8 @@ def refine(
     ----------
     initial_normals : NormalField
         N0.
-    light : array_like, shape (3,)
-        Direction from the surface to the light.
+    light : array_like, shape (3,) or (2,)
+        Direction from the surface to the light, or its azimuth and elevation in degrees.
     interval : IlluminationInterval
         Range of illumination that each pixel's color allows, bounds of shape (H, W). Where those of neighbors lie apart runs
         an edge; a mixed pixel whose range spans both sides hides it.
@@ -111,7 +111,7 @@ def refine(
         of_type("guess", guess, NormalField)
         same_mask("guess", guess.mask, initial_normals.mask, "the initial normals")
     mask = initial_normals.mask
-    direction, allowed = as_light("light", light), _on_object(interval, mask)
+    direction, allowed = direction_of("light", light), _on_object(interval, mask)
     coverage = (
         mask.astype(np.float64) if alpha is None else as_coverage("alpha", alpha, initial_normals.shape)
     )

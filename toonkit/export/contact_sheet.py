@@ -11,8 +11,8 @@ from PIL import Image, ImageDraw, ImageFont
 
 from toonkit._validation import FloatArray, as_light, refuse
 from toonkit.analysis import ToonAnalysis
-from toonkit.export.label_picture import label_picture
 from toonkit.model.color_map import ColorMap
+from toonkit.model.label_colors import label_picture
 from toonkit.model.light import light_angles, light_direction
 from toonkit.model.normals import encode_normal_map
 from toonkit.relighting import relight

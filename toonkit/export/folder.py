@@ -13,11 +13,11 @@ from toonkit.export.archive import save_analysis
 from toonkit.export.atomic import PathLike
 from toonkit.export.color_map import write_color_map, write_color_maps
 from toonkit.export.contact_sheet import contact_sheet
-from toonkit.export.label_picture import label_picture
 from toonkit.export.line_art import line_art
 from toonkit.export.normal_map import write_normal_map
 from toonkit.export.picture import write_picture
 from toonkit.export.report import analysis_report, write_report
+from toonkit.model.label_colors import label_picture
 
 ARCHIVE_NAME = "analysis.npz"
 """Name of the file that `load_analysis` reads back."""

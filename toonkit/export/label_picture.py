@@ -1,4 +1,4 @@
-"""Materials as pictures: a color for each, to look at, to correct in any paint program, and to read back."""
+"""Pictures of materials, a color for each as in `toonkit.model.label_colors`, read back from any paint program."""
 
 from __future__ import annotations
 
@@ -12,45 +12,9 @@ from toonkit._validation import refuse
 from toonkit.export.atomic import PathLike, suffix_of
 from toonkit.model.decoding import read_pixels
 from toonkit.model.loading import HALF_COVERED
-from toonkit.model.oklab import oklab_to_srgb
 
 MOST_LABELS = 256
 """Materials that a picture may name; one of more colors is a drawing, or the borders of its colors are soft."""
-
-CHROMA, DARKEST, BRIGHTEST = 0.13, 0.62, 0.86
-"""OKLab chroma of the colors, and their lightness, of which each takes one of three steps."""
-
-_GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
-
-
-def label_picture(labels: NDArray[np.integer]) -> NDArray[np.uint8]:
-    """
-    Paint each label in a color of its own.
-
-    Parameters
-    ----------
-    labels : ndarray of int, shape (H, W)
-        Numbers from 0 on, -1 where there is nothing.
-
-    Returns
-    -------
-    ndarray of uint8, shape (H, W, 4)
-        RGBA: successive numbers far apart in hue, always in the same color; transparent at -1.
-
-    Examples
-    --------
-    >>> label_picture(np.array([[-1, 0, 1]]))[0, :, 3].tolist()
-    [0, 255, 255]
-    """
-    number = np.arange(int(labels.max()) + 1)
-    hue = number * _GOLDEN_ANGLE
-    lightness = DARKEST + (BRIGHTEST - DARKEST) * (number % 3) / 2
-    colors = oklab_to_srgb(np.column_stack([lightness, CHROMA * np.cos(hue), CHROMA * np.sin(hue)]))
-    inside = labels >= 0
-    rgba = np.zeros((*labels.shape, 4), np.uint8)
-    rgba[inside, :3] = np.round(np.clip(colors, 0, 1) * 255)[labels[inside]]
-    rgba[inside, 3] = 255
-    return rgba
 
 
 def read_labels(path: PathLike) -> NDArray[np.intp]:

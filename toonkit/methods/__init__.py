@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from numpy.typing import ArrayLike
 
-from toonkit._validation import of_type, refuse, same_mask
+from toonkit._validation import of_type, one_of, refuse, same_mask
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.light_fit import estimate_light
 from toonkit.estimation.preparation import PreparedDrawing, prepare
@@ -21,6 +21,7 @@ from toonkit.methods.toonkit import toonkit
 from toonkit.model.image import ToonImage
 from toonkit.model.light import direction_of
 from toonkit.model.loading import load_image
+from toonkit.model.materials import Materials
 from toonkit.numerics.bands import single_threaded_blas
 
 
@@ -51,7 +52,7 @@ METHODS: dict[str, Method] = {
     "lumo": lumo,
     "lambert": lambert,
 }
-"""Name -> estimator. Adding one is `METHODS["name"] = function`."""
+"""Name -> estimator. Adding one is `METHODS["name"] = function`, called as `Method` says."""
 
 
 def analyze(
@@ -59,7 +60,7 @@ def analyze(
     light: ArrayLike | None = None,
     *,
     method: str = "toonkit",
-    materials: ArrayLike | None = None,
+    materials: ArrayLike | Materials | None = None,
     previous: ToonAnalysis | None = None,
     progress: StepProgress | None = None,
 ) -> ToonAnalysis:
@@ -75,7 +76,7 @@ def analyze(
         estimated if not given.
     method : str, optional
         Name of an estimator in `METHODS`.
-    materials : array_like of int, shape (H, W), optional
+    materials : array_like of int, shape (H, W), or Materials, optional
         Number of the material of each pixel, 0 and up, and -1 where that is left to toonkit; ignored outside the mask.
         Found if not given.
     previous : ToonAnalysis, optional
@@ -107,8 +108,10 @@ def analyze(
     >>> analysis.color_map([-0.5, 0.9]).round(2).tolist()
     [[0.4, 0.2, 0.5], [0.9, 0.8, 0.6]]
     """
-    if method not in METHODS:
-        raise refuse("method", f"must be one of {', '.join(METHODS)}", repr(method))
+    if callable(method):
+        rule = 'must be a name; toonkit.METHODS["name"] = function adds a method'
+        raise refuse("method", rule, f"the function {getattr(method, '__name__', method)}")
+    one_of("method", method, METHODS)
     if previous is not None:
         of_type("previous", previous, ToonAnalysis)
     if isinstance(image, (str, PathLike)):

@@ -26,8 +26,8 @@ def lumo(
     ----------
     drawing : ToonImage or PreparedDrawing
         The drawing.
-    light : array_like, shape (3,)
-        Direction from the surface to the light.
+    light : array_like, shape (3,) or (2,)
+        Direction from the surface to the light, or its azimuth and elevation in degrees.
     previous : ToonAnalysis, optional
         Not used: this method starts from N0.
     progress : callable, optional

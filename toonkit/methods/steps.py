@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from toonkit._validation import FloatArray, as_light
+from toonkit._validation import FloatArray
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.color_map_fit import allowed_intervals, fit_materials, painted_intervals
 from toonkit.estimation.energy import RefinementOptions, printed_energy
@@ -16,6 +16,7 @@ from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.estimation.refinement import Refinement, refine_islands
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
+from toonkit.model.light import direction_of
 from toonkit.model.normals import NormalField
 from toonkit.numerics.smoothness_energy import SmoothnessEnergy
 
@@ -123,7 +124,7 @@ def inflate_drawing(
 ) -> Steps:
     """Inflate the silhouette (Section 3.1) of a drawing, for its light."""
     prepared = prepare(drawing)
-    direction = as_light("light", light)
+    direction = direction_of("light", light)
     if progress is not None:
         progress("inflating the silhouette", 0.0)
     return Steps(prepared, direction, prepared.initial_normals, progress)

@@ -30,8 +30,8 @@ def toonkit(
     ----------
     drawing : ToonImage or PreparedDrawing
         The drawing.
-    light : array_like, shape (3,)
-        Direction from the surface to the light.
+    light : array_like, shape (3,) or (2,)
+        Direction from the surface to the light, or its azimuth and elevation in degrees.
     previous : ToonAnalysis, optional
         An analysis of the same drawing under a nearby light: the refinement starts from its normals.
     progress : callable, optional

@@ -9,13 +9,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from toonkit._validation import FloatArray, as_array, refuse
-from toonkit.model.luminance import tone
+from toonkit.model.description import preview_png
+from toonkit.model.luminance import hex_color, tone
 
 MONOTONE_TOLERANCE = 0.05
 """How far, in tone, a painted ramp may dip below an earlier sample: hue shifts and 8-bit colors wobble."""
 
 INVERSE_SAMPLES = 1024
 """Least number of steps in which a map is inverted."""
+
+PREVIEW_SIZE = (32, 512)
+"""Height and width, in pixels, of the strip that notebooks show: illumination -1 at its left end to +1 at its right."""
 
 HALF_STEP = 0.5 / 255
 """Half a step of an 8-bit picture: colors closer than this were painted alike."""
@@ -50,6 +54,11 @@ class IlluminationInterval:
             )
         object.__setattr__(self, "lower", lower)
         object.__setattr__(self, "upper", upper)
+
+    def __repr__(self) -> str:
+        known = ~np.isnan(self.lower)
+        width = f", mean width {(self.upper - self.lower)[known].mean():.2f}" if known.any() else ""
+        return f"IlluminationInterval(shape {self.lower.shape}{width})"
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +113,16 @@ class ColorMap:
             )
         object.__setattr__(self, "colors", colors)
         object.__setattr__(self, "domain", (float(ends[0]), float(ends[1])))
+
+    def __repr__(self) -> str:
+        lo, hi = self.domain
+        ends = f"{hex_color(self.colors[0])} to {hex_color(self.colors[-1])}"
+        samples = "1 sample" if len(self.colors) == 1 else f"{len(self.colors)} samples"
+        return f"ColorMap({samples}, {ends}, illumination {lo:.2f} to {hi:.2f})"
+
+    def _repr_png_(self) -> bytes:
+        strip = self(np.linspace(-1.0, 1.0, PREVIEW_SIZE[1]))[None].repeat(PREVIEW_SIZE[0], axis=0)
+        return preview_png(np.round(strip * 255).astype(np.uint8))
 
     @cached_property
     def illumination(self) -> FloatArray:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from os import PathLike
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
 from toonkit._validation import BoolArray, FloatArray, as_array, as_coverage, as_mask, refuse, same_shape
+from toonkit.model.description import describe_object, preview_png
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +97,12 @@ class ToonImage:
         self.__dict__["fringe"] = fringe
         return fringe
 
+    def __repr__(self) -> str:
+        return f"ToonImage({describe_object(self.mask)})"
+
+    def _repr_png_(self) -> bytes:
+        return preview_png(self.to_rgba())
+
     @property
     def shape(self) -> tuple[int, int]:
         """Height and width in pixels."""
@@ -129,6 +137,24 @@ class ToonImage:
         rgba[(*self.fringe_places, slice(0, 3))] = self.fringe_colors
         rgba[..., 3] = self.alpha
         return np.round(rgba * 255).astype(np.uint8)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """
+        Write the picture without loss, its transparency included.
+
+        Parameters
+        ----------
+        path : path
+            Ends in .png or .webp. An older file is replaced once the new one is complete.
+
+        Raises
+        ------
+        ToonkitError
+            If the suffix is another or the file cannot be written.
+        """
+        from toonkit.export.picture import write_picture  # noqa: PLC0415 - export stands above the model
+
+        write_picture(self, path)
 
 
 def nearest_object_pixel(mask: BoolArray) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

@@ -67,10 +67,37 @@ def direction_of(argument: str, light: ArrayLike) -> FloatArray:
     ToonkitError
         If it is neither, zero, not finite or from behind.
     """
-    if np.ndim(light) == 1 and len(np.asarray(light)) == 2:
-        azimuth, elevation = np.asarray(light).tolist()
+    try:
+        given = np.asarray(light)
+    except ValueError:  # rows of different lengths
+        return as_light(argument, light)
+    if given.shape == (2,):
+        azimuth, elevation = given.tolist()
         return light_direction(azimuth, elevation)
     return as_light(argument, light)
+
+
+def describe_light(light: FloatArray) -> str:
+    """
+    Say in words where a light stands.
+
+    Parameters
+    ----------
+    light : ndarray, shape (3,)
+        Direction from the surface to the light.
+
+    Returns
+    -------
+    str
+        Its azimuth, 0 to 359, and its elevation, both in whole degrees.
+
+    Examples
+    --------
+    >>> describe_light(light_direction(-30, 50))
+    'azimuth 330°, elevation 50°'
+    """
+    azimuth, elevation = light_angles(light)
+    return f"azimuth {round(azimuth) % 360}°, elevation {elevation:.0f}°"
 
 
 def light_angles(light: ArrayLike) -> tuple[float, float]:

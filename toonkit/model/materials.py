@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.model.color_map import ColorMap
+from toonkit.model.description import describe_object, preview_png
+from toonkit.model.label_colors import label_picture
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +41,15 @@ class Materials:
         """Return the one material of an object (H, W) that is painted with one color map."""
         labels = np.where(mask, 0, -1).astype(np.intp)
         return cls(labels, (color_map.colors[[0, -1]],), np.zeros(1, np.bool_), (color_map,))
+
+    def __repr__(self) -> str:
+        flat = int(self.flat.sum())
+        count = "1 material" if self.count == 1 else f"{self.count} materials"
+        maps = "" if self.color_maps else ", without color maps"
+        return f"Materials({count}, {flat} flat, {describe_object(self.labels >= 0)}{maps})"
+
+    def _repr_png_(self) -> bytes:
+        return preview_png(label_picture(self.labels), smooth=False)
 
     @property
     def count(self) -> int:

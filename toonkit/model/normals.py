@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from os import PathLike
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from toonkit._validation import BoolArray, FloatArray, as_array, as_mask, refuse, same_shape
+from toonkit.model.description import describe_object, preview_png
 
 UNIT_TOLERANCE = 1e-3
 """A vector this close to unit length is a rounded unit vector and is renormalized; others are refused."""
@@ -61,6 +63,13 @@ class NormalField:
         field._mask, field._compact, field._vectors = mask, vectors, None
         return field
 
+    def __repr__(self) -> str:
+        return f"NormalField({describe_object(self.mask)})"
+
+    def _repr_png_(self) -> bytes:
+        opacity = np.where(self.mask, 255, 0).astype(np.uint8)
+        return preview_png(np.dstack([encode_normal_map(self).astype(np.uint8), opacity]))
+
     @property
     def mask(self) -> BoolArray:
         """True on the object: bool, shape (H, W)."""
@@ -85,6 +94,30 @@ class NormalField:
         """Height and width in pixels."""
         height, width = self.mask.shape
         return height, width
+
+    def save(
+        self, path: str | PathLike[str], *, bits: Literal[8, 16] = 8, green: GreenAxis = "opengl"
+    ) -> None:
+        """
+        Write the normals as a normal map.
+
+        Parameters
+        ----------
+        path : path
+            Ends in .png. An older file is replaced once the new one is complete.
+        bits : {8, 16}, optional
+            Bits a channel.
+        green : {"opengl", "directx"}, optional
+            Green up (OpenGL, Unity, Blender, Godot) or down (DirectX, Unreal).
+
+        Raises
+        ------
+        ToonkitError
+            If `bits`, `green` or the suffix is none of these, or the file cannot be written.
+        """
+        from toonkit.export.normal_map import write_normal_map  # noqa: PLC0415 - export stands above the model
+
+        write_normal_map(self, path, bits=bits, green=green)
 
 
 def encode_normal_map(

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from toonkit._validation import FloatArray, as_light, of_type
+from toonkit._validation import FloatArray, of_type
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
+from toonkit.model.light import direction_of
 from toonkit.model.normals import NormalField
 
 
@@ -19,8 +20,8 @@ def illumination(normals: NormalField, light: ArrayLike) -> FloatArray:
     ----------
     normals : NormalField
         Unit normals.
-    light : array_like, shape (3,)
-        Direction from the surface to the light.
+    light : array_like, shape (3,) or (2,)
+        Direction from the surface to the light, or its azimuth and elevation in degrees.
 
     Returns
     -------
@@ -33,7 +34,7 @@ def illumination(normals: NormalField, light: ArrayLike) -> FloatArray:
         If the light is zero, not finite or from behind.
     """
     of_type("normals", normals, NormalField)
-    return np.clip(normals.vectors @ as_light("light", light), -1.0, 1.0)
+    return np.clip(normals.vectors @ direction_of("light", light), -1.0, 1.0)
 
 
 def shade(normals: NormalField, light: ArrayLike, color_map: ColorMap) -> ToonImage:
@@ -44,8 +45,8 @@ def shade(normals: NormalField, light: ArrayLike, color_map: ColorMap) -> ToonIm
     ----------
     normals : NormalField
         Unit normals.
-    light : array_like, shape (3,)
-        Direction from the surface to the light.
+    light : array_like, shape (3,) or (2,)
+        Direction from the surface to the light, or its azimuth and elevation in degrees.
     color_map : ColorMap
         The ramp M.
 

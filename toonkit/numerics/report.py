@@ -32,6 +32,12 @@ class SolverReport:
     reason: str
     converged: bool
 
+    def __repr__(self) -> str:
+        state = "converged" if self.converged else "not converged"
+        count = "1 iteration" if self.iterations == 1 else f"{self.iterations} iterations"
+        ends = f", energy {self.energies[0]:.4g} to {self.energies[-1]:.4g}" if len(self.energies) else ""
+        return f"SolverReport({count}, {state}{ends}: {self.reason})"
+
 
 def join_reports(reports: Sequence[SolverReport]) -> SolverReport:
     """Account for problems that were solved one after the other: energies are their sums, iterations the most of any."""

@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from toonkit._validation import refuse
+from toonkit._validation import one_of
 
 FOLDER = Path(__file__).parent
 
@@ -34,8 +34,7 @@ def sample_light(name: str) -> tuple[float, float]:
 
 
 def _record(name: str) -> dict[str, Any]:
-    if name not in _records():
-        raise refuse("sample", f"must be one of {', '.join(_records())}", repr(name))
+    one_of("sample", name, _records())
     return _records()[name]
 
 

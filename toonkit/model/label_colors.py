@@ -1,0 +1,43 @@
+"""The color of each label in a picture of materials."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toonkit.model.oklab import oklab_to_srgb
+
+CHROMA, DARKEST, BRIGHTEST = 0.13, 0.62, 0.86
+"""OKLab chroma of the colors, and their lightness, of which each takes one of three steps."""
+
+_GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
+
+
+def label_picture(labels: NDArray[np.integer]) -> NDArray[np.uint8]:
+    """
+    Paint each label in a color of its own.
+
+    Parameters
+    ----------
+    labels : ndarray of int, shape (H, W)
+        Numbers from 0 on, -1 where there is nothing.
+
+    Returns
+    -------
+    ndarray of uint8, shape (H, W, 4)
+        RGBA: successive numbers far apart in hue, always in the same color; transparent at -1.
+
+    Examples
+    --------
+    >>> label_picture(np.array([[-1, 0, 1]]))[0, :, 3].tolist()
+    [0, 255, 255]
+    """
+    number = np.arange(int(labels.max()) + 1)
+    hue = number * _GOLDEN_ANGLE
+    lightness = DARKEST + (BRIGHTEST - DARKEST) * (number % 3) / 2
+    colors = oklab_to_srgb(np.column_stack([lightness, CHROMA * np.cos(hue), CHROMA * np.sin(hue)]))
+    inside = labels >= 0
+    rgba = np.zeros((*labels.shape, 4), np.uint8)
+    rgba[inside, :3] = np.round(np.clip(colors, 0, 1) * 255)[labels[inside]]
+    rgba[inside, 3] = 255
+    return rgba

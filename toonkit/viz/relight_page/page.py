@@ -1,0 +1,278 @@
+"""The relight page: drop a picture, drag the light."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import weakref
+from collections.abc import Callable
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+from panel.models.esm import DataEvent
+
+from toonkit.analysis import ToonAnalysis
+from toonkit.methods import METHODS
+from toonkit.samples import sample_names, sample_path, sample_title
+from toonkit.viz.choice_cards import ChoiceCards, picture_choices, text_choices
+from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading
+from toonkit.viz.relight_page.height_view import HeightView, encode_surface
+from toonkit.viz.relight_page.state import METHOD_DESCRIPTIONS, RelightState, prepare_sample
+from toonkit.viz.relight_page.view import RelightView
+from toonkit.viz.session_end import free_when_left
+
+PICTURE_TYPES = ["image/png", "image/jpeg", "image/webp", "image/tiff", ".tif", ".tiff"]
+LARGEST_FILE = "60MB"
+
+PICTURE_FIRST_SECONDS = 0.4
+TabMaker = Callable[[ToonAnalysis], Any]
+
+TAB_SIZE = {"height": 380, **WIDE}
+
+NORMAL_MAP_NOTE = (
+    "Which way the surface faces: red to the right, green up, blue toward you (OpenGL convention)."
+)
+SHAPE_NOTE = "The recovered surface with its normals. Drag to turn it, scroll to come closer."
+DROP_ZONE = """
+.filepond--root { min-height: 64px; font-family: inherit; margin: 0; border-radius: 8px; background: transparent !important;
+  border: 1.5px dashed color-mix(in srgb, var(--panel-on-surface-color) 35%, transparent) !important; }
+.filepond--panel-root { background: transparent !important; border: none !important; }
+.filepond--drop-label { min-height: 64px; color: inherit; }
+.filepond--drop-label label { font-size: 13px; }
+.filepond--list-scroller { mask: none !important; -webkit-mask: none !important; }
+.filepond--credits { display: none; }
+"""
+
+
+def stage(state: RelightState) -> RelightView:
+    """Return both pictures with their lights, in step with the state."""
+    view = RelightView(
+        new_light=state.new_light,
+        original_light=state.original_light,
+        step=state.param.step,
+        fraction=state.param.fraction,
+        keep_detail=state.param.keep_detail,
+        flat_shading=state.param.flat_shading,
+        min_height=400,
+    )
+    view.link(state, bidirectional=True, new_light="new_light", original_light="original_light")
+
+    async def asked(message: DataEvent) -> None:
+        if message.data["action"] == "estimate":
+            await state.estimate_light()
+        else:
+            state.cancel()
+
+    view.on_msg(asked)
+    state.param.watch(lambda event: view.show(event.new), "analysis")
+    return view
+
+
+def drawing_picker(state: RelightState) -> pn.Column:
+    """Return the thumbnails of the samples and the place to drop a picture."""
+    cards = ChoiceCards(
+        choices=picture_choices({name: (sample_title(name), sample_path(name)) for name in sample_names()}),
+        value=state.sample,
+        columns=3,
+        label="Sample drawing",
+        margin=(2, 12, 8, 12),
+        **WIDE,
+    )
+    dropper = pn.widgets.FileDropper(
+        accepted_filetypes=PICTURE_TYPES,
+        max_file_size=LARGEST_FILE,
+        multiple=False,
+        previews=[],
+        height=104,
+        margin=(0, 12),
+        stylesheets=[DROP_ZONE],
+        **WIDE,
+    )
+
+    async def choose(name: str) -> None:
+        if name == state.sample:
+            state.cancel()  # back on the card of what is on screen, while another drawing is being opened
+        elif name:
+            try:
+                await state.open_sample(name)
+            finally:
+                if cards.value == name:  # not when another card was chosen meanwhile
+                    cards.value = state.sample
+
+    async def dropped(files: dict[str, bytes]) -> None:
+        # The widget changes this dictionary when the next file is dropped, which may be before this one is analyzed.
+        for content in tuple(files.values()):
+            await state.open_file(content)
+
+    state.param.watch(lambda event: cards.param.update(value=event.new), "sample")
+    pn.bind(choose, cards.param.value, watch=True)
+    pn.bind(dropped, dropper.param.value, watch=True)
+    return pn.Column(heading("Drawing"), cards, dropper, **WIDE)
+
+
+def method_picker(state: RelightState) -> pn.Column:
+    """Return one card for each method, the switch for brushwork, and the slider for what is painted in one tone."""
+    described = {name: METHOD_DESCRIPTIONS.get(name, (name, "")) for name in METHODS}
+    cards = ChoiceCards(
+        choices=text_choices(described), value=state.method, label="Method", margin=(2, 12, 6, 12), **WIDE
+    )
+    cards.link(state, bidirectional=True, value="method")
+    brushwork = pmui.Switch.from_param(state.param.keep_detail, label="Keep brushwork", margin=(4, 12))
+    flat = pmui.FloatSlider.from_param(
+        state.param.flat_shading,
+        label="Flat shading",
+        step=0.05,
+        visible=pn.bind(_has_flat_materials, state.param.analysis),
+        margin=(4, 20, 4, 16),
+        **WIDE,
+    )
+
+    async def changed(_: str) -> None:
+        await state.analyze()
+
+    pn.bind(changed, state.param.method, watch=True)
+    pn.bind(changed, state.param.original_light, watch=True)
+    return pn.Column(heading("Method"), cards, brushwork, flat, **WIDE)
+
+
+def _has_flat_materials(analysis: ToonAnalysis | None) -> bool:
+    return analysis is not None and bool(analysis.materials.flat.any())
+
+
+def downloads(state: RelightState) -> pn.Column:
+    """Return the two download buttons."""
+    buttons = [
+        pmui.FileDownload(
+            callback=make,
+            filename=filename,
+            label=label,
+            variant="outlined",
+            margin=(4, 12),
+            **WIDE,
+            disabled=state.param.analysis.rx.is_(None),
+        )
+        for label, filename, make in (
+            ("Relit picture", "relit.png", state.relit_png),
+            ("Normal map", "normal_map.png", state.normal_map_png),
+        )
+    ]
+    return pn.Column(heading("Download"), *buttons, **WIDE)
+
+
+# HoloViews takes seconds to import, and the first picture does not need it: each tab imports its own, once the page
+# stands. Not in a thread, where Panel would meet modules that are only half imported.
+def _color_map_tab(box: pn.Column) -> TabMaker:
+    from toonkit.viz.relight_page.color_maps import ColorMapsView  # noqa: PLC0415
+
+    def make(shown: ToonAnalysis) -> Callable[[], None]:
+        view = ColorMapsView(shown, height=TAB_SIZE["height"])
+
+        def show() -> None:
+            box[:] = [view]
+
+        return show
+
+    return make
+
+
+def _normal_map_tab(box: pn.Column) -> TabMaker:
+    from toonkit.viz.elements import normal_map  # noqa: PLC0415
+
+    def make(shown: ToonAnalysis) -> Callable[[], None]:
+        rows, columns = shown.normals.shape
+        height = TAB_SIZE["height"]
+        # As wide as its shape asks for: stretched over the page, pixels would not be square.
+        element = normal_map(shown.normals).opts(
+            responsive=False, height=height, width=height * columns // rows
+        )
+        return lambda: _fill(box, NORMAL_MAP_NOTE, pn.pane.HoloViews(element, sizing_mode="fixed"))
+
+    return make
+
+
+def _shape_tab(box: pn.Column) -> TabMaker:
+    def make(shown: ToonAnalysis) -> Callable[[], None]:
+        surface = encode_surface(shown.normals, shown.image)
+
+        def show() -> None:
+            # One view for all surfaces: it keeps its graphics context, and the visitor's point of view.
+            if not box:
+                _fill(box, SHAPE_NOTE, HeightView(**TAB_SIZE))
+            box[-1].param.update(**surface)
+
+        return show
+
+    return make
+
+
+def _fill(box: pn.Column, text: str, pane: pn.viewable.Viewable) -> None:
+    box[:] = [_note(text), pane]
+
+
+TABS = {"Color map": _color_map_tab, "Normal map": _normal_map_tab, "Shape in 3-D": _shape_tab}
+
+
+def insight(state: RelightState) -> pmui.Tabs:
+    """Return the tabs that show what was recovered; a tab is filled when it is opened."""
+    boxes = [pn.Column(min_height=TAB_SIZE["height"], **WIDE) for _ in TABS]
+    tabs = pmui.Tabs(*zip(TABS, boxes, strict=True), **WIDE)
+    on_screen = pn.rx(False)
+    filled: dict[int, weakref.ref[ToonAnalysis]] = {}
+
+    async def show(active: int, shown: ToonAnalysis | None, ready: bool) -> None:
+        if shown is None or not ready or (active in filled and filled[active]() is shown):
+            return
+        filled[active] = weakref.ref(shown)
+        await asyncio.sleep(PICTURE_FIRST_SECONDS)
+        make = list(TABS.values())[active](boxes[active])
+        put = await asyncio.to_thread(make, shown)
+        if filled[active]() is shown:
+            put()
+
+    def loaded() -> None:
+        on_screen.rx.value = True
+
+    pn.bind(show, tabs.param.active, state.param.analysis, on_screen, watch=True)
+    pn.state.onload(loaded)
+    return tabs
+
+
+def _note(text: str) -> pmui.Typography:
+    return pmui.Typography(text, variant="body2", color="text.secondary", margin=(8, 10, 4, 10))
+
+
+def relight_page() -> pmui.Page:
+    """Return the page for one visitor, with the first sample on its way."""
+    state = RelightState()
+    view = stage(state)
+    page = pmui.Page(
+        title="toonkit · relight a drawing",
+        main=[pn.Column(view, insight(state), margin=16, **WIDE)],
+        sidebar=[drawing_picker(state), method_picker(state), downloads(state)],
+        sidebar_width=300,
+        sidebar_resizable=False,
+        theme="dark",
+        theme_config=THEME,
+    )
+
+    async def first_picture() -> None:
+        await state.open_sample(sample_names()[0])
+
+    pn.state.onload(first_picture)
+    free_when_left(page, state.close, view.close)
+    return page
+
+
+def start_with(name: str) -> threading.Thread:
+    """Analyze the first picture while the first visitor's browser still loads the page."""
+    thread = threading.Thread(target=prepare_sample, args=(name,), daemon=True)
+    thread.start()
+    return thread
+
+
+def relight_app() -> pmui.Page:
+    """Set up the session of one visitor, and return their page."""
+    pn.extension("filedropper", notifications=True, exception_handler=error_reporter("relight page"))
+    pn.state.as_cached("first sample", start_with, name=sample_names()[0])
+    return relight_page()
