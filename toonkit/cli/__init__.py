@@ -236,7 +236,7 @@ def _relight(arguments: argparse.Namespace) -> int:
         raise refuse("relight", "needs -o FILE beside --light", "no -o")
     if arguments.orbit is not None and arguments.out is not None:
         raise refuse("relight", "takes the animation's name from --orbit alone", f"-o {arguments.out} too")
-    light = None if arguments.light is None else parse_light(arguments.light)
+    light = None if arguments.light is None else parse_light(arguments.light, behind=True)
 
     from toonkit.export.animation import write_orbit  # noqa: PLC0415
     from toonkit.export.archive import load_analysis  # noqa: PLC0415

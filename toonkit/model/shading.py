@@ -20,7 +20,7 @@ def illumination(normals: NormalField, light: ArrayLike) -> FloatArray:
     normals : NormalField
         Unit normals.
     light : array_like, shape (3,)
-        Direction from the surface to the light.
+        Direction from the surface to the light, which may stand behind the picture (z < 0).
 
     Returns
     -------
@@ -30,10 +30,10 @@ def illumination(normals: NormalField, light: ArrayLike) -> FloatArray:
     Raises
     ------
     ToonkitError
-        If the light is zero, not finite or from behind.
+        If the light is zero or not finite.
     """
     of_type("normals", normals, NormalField)
-    return np.clip(normals.vectors @ as_light("light", light), -1.0, 1.0)
+    return np.clip(normals.vectors @ as_light("light", light, behind=True), -1.0, 1.0)
 
 
 def shade(normals: NormalField, light: ArrayLike, color_map: ColorMap) -> ToonImage:
@@ -45,7 +45,7 @@ def shade(normals: NormalField, light: ArrayLike, color_map: ColorMap) -> ToonIm
     normals : NormalField
         Unit normals.
     light : array_like, shape (3,)
-        Direction from the surface to the light.
+        Direction from the surface to the light, which may stand behind the picture (z < 0).
     color_map : ColorMap
         The ramp M.
 
@@ -57,7 +57,7 @@ def shade(normals: NormalField, light: ArrayLike, color_map: ColorMap) -> ToonIm
     Raises
     ------
     ToonkitError
-        If the light is zero, not finite or from behind.
+        If the light is zero or not finite.
     """
     of_type("color_map", color_map, ColorMap)
     return ToonImage(color_map(illumination(normals, light)), normals.mask)
