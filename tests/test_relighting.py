@@ -106,7 +106,9 @@ def test_from_behind_only_a_rim_toward_the_light_is_lit_and_it_narrows(ball):
     assert areas == sorted(areas, reverse=True)
     assert areas[2] > 0
     row, _ = np.nonzero(lit[2])
-    assert row.max() < ball.image.shape[0] * 0.4  # all of it at the top, where the surface turns toward the light
+    assert (
+        row.max() < ball.image.shape[0] * 0.4
+    )  # all of it at the top, where the surface turns toward the light
     assert not lit[2][ball.image.shape[0] // 2].any()
 
 

@@ -37,12 +37,13 @@ def compose_simply(parts):
 
 @pytest.fixture(scope="module")
 def highlit():
-    """A ball in one material with a painted highlight."""
+    """A ball in two materials, with a highlight on the flat one."""
     y, x = (39.5 - np.indices((80, 80))[0]) / 36, (np.indices((80, 80))[1] - 39.5) / 36
     alpha = np.clip(36 * (1 - np.hypot(x, y)) + 0.5, 0, 1)
     lit = -0.5 * x + 0.6 * y + 0.6 * np.sqrt(np.clip(1 - x**2 - y**2, 0, None))
     color = np.where((lit > 0.3)[..., None], [0.8, 0.3, 0.3], [0.5, 0.15, 0.25])
-    color[np.hypot(x + 0.35, y - 0.4) < 0.12] = 1.0
+    color[np.hypot(x, y) < 0.5] = [0.3, 0.3, 0.8]
+    color[np.hypot(x + 0.2, y - 0.2) < 0.16] = 1.0
     return analyze(ToonImage(color, alpha >= 0.5, alpha=alpha), (130, 42))
 
 

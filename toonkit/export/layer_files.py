@@ -114,7 +114,9 @@ def _write_open_raster(layers: Layers, file: BinaryIO) -> None:
     parts["mergedimage.png"] = encode_picture(layers.picture, ".png")
     parts["Thumbnails/thumbnail.png"] = encode_picture(_thumbnail(layers.picture), ".png")
     with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
-        archive.writestr(zipfile.ZipInfo("mimetype"), "image/openraster")  # first and not compressed, to be recognized
+        archive.writestr(
+            zipfile.ZipInfo("mimetype"), "image/openraster"
+        )  # first and not compressed, to be recognized
         for name, data in parts.items():
             packed = zipfile.ZIP_DEFLATED if name.endswith(".xml") else zipfile.ZIP_STORED
             archive.writestr(zipfile.ZipInfo(name), data, packed)

@@ -183,9 +183,7 @@ def split_layers(
     def layer(color: FloatArray, alpha: FloatArray) -> Pixels:
         pixels = np.zeros_like(picture)
         shown = alpha > 0
-        pixels.reshape(-1, 4)[opaque[shown]] = np.round(
-            255 * np.column_stack([color[shown], alpha[shown]])
-        )
+        pixels.reshape(-1, 4)[opaque[shown]] = np.round(255 * np.column_stack([color[shown], alpha[shown]]))
         return pixels
 
     base_color = picture.copy()

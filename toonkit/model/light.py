@@ -73,7 +73,9 @@ def direction_of(argument: str, light: ArrayLike, *, behind: bool = False) -> Fl
     if np.ndim(light) == 1 and len(np.asarray(light)) == 2:
         azimuth, elevation = np.asarray(light).tolist()
         if not behind and is_number(elevation) and -90.0 <= elevation < 0.0:
-            raise refuse("elevation", "must lie in 0 to 90 degrees (a light from behind shades no drawing)", elevation)
+            raise refuse(
+                "elevation", "must lie in 0 to 90 degrees (a light from behind shades no drawing)", elevation
+            )
         light = light_direction(azimuth, elevation)
     return as_light(argument, light, behind=behind)
 
