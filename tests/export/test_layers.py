@@ -24,15 +24,23 @@ def difference(found, expected):
     return int(np.abs(found[shown].astype(int) - expected[shown]).max())
 
 
-def compose_simply(parts):
-    """Compose (blend, RGBA) from the bottom up as an engine does that knows no coverage but the first layer's."""
-    (_, bottom), *others = parts
-    color, alpha = bottom[..., :3] / 255, bottom[..., 3:] / 255
-    for blend, pixels in others:
+def draw_as_sprites(parts, background):
+    """Draw (blend, RGBA) from the bottom up onto an opaque gray, as an engine draws sprites; it returns RGB."""
+    color = np.full((*parts[0][1].shape[:2], 3), background)
+    for blend, pixels in parts:
         own, share = pixels[..., :3] / 255, pixels[..., 3:] / 255
         blended = {"normal": own, "multiply": color * own, "add": np.minimum(color + own, 1)}[blend]
         color = color + share * (blended - color)
-    return np.round(np.concatenate([color, alpha], axis=-1) * 255).astype(np.uint8)
+    return np.round(color * 255).astype(int)
+
+
+def sprite_difference(parts, expected):
+    """The largest difference between layers and a picture, both drawn as sprites, in steps of 8 bits."""
+    grounds = (0.0, 0.5, 1.0)
+    return max(
+        int(np.abs(draw_as_sprites(parts, ground) - draw_as_sprites([("normal", expected)], ground)).max())
+        for ground in grounds
+    )
 
 
 @pytest.fixture(scope="module")
@@ -70,10 +78,10 @@ def test_layers_compose_to_the_relit_picture(drawing, light):
 
 
 @pytest.mark.parametrize("light", LIGHTS)
-def test_an_engine_without_rules_for_coverage_composes_them_too(drawing, light):
+def test_layers_drawn_as_sprites_make_the_picture_on_any_background(drawing, light):
     layers = split_layers(drawing, light)
     parts = [(kind.blend, pixels) for _, kind, pixels in layers]
-    assert difference(compose_simply(parts), layers.picture) <= 1
+    assert sprite_difference(parts, layers.picture) <= 1
 
 
 @pytest.mark.parametrize("options", [{"keep_detail": False}, {"flat_shading": 0.0}])
@@ -104,10 +112,28 @@ def test_shadow_never_brightens_and_is_empty_where_nothing_is_darker(several):
 
 
 def test_ink_lies_where_the_drawing_has_ink_whatever_the_light(several):
-    inked = (several.drawing.ink_coverage > 0) & (several.image.to_rgba()[..., 3] == 255)
-    assert inked.any()
+    inked = several.drawing.ink_coverage > 0
+    opaque = several.image.to_rgba()[..., 3] == 255
+    assert (inked & opaque).any()
     for light in LIGHTS:
-        assert np.array_equal(split_layers(several, light).ink[..., 3] > 0, inked)
+        found = split_layers(several, light).ink[..., 3] > 0
+        assert np.array_equal(found & opaque, inked & opaque)
+
+
+def test_the_soft_outline_of_a_drawing_in_ink_belongs_to_the_ink(several):
+    layers = split_layers(several, (30, 50))
+    soft = (layers.picture[..., 3] > 0) & (layers.picture[..., 3] < 255)
+    assert soft.any()
+    assert np.array_equal(layers.ink[soft], layers.picture[soft])
+    assert (layers.base_color[soft, 3] == 0).all()
+
+
+def test_the_soft_outline_of_a_drawing_without_ink_belongs_to_the_base_color(analysis):
+    layers = split_layers(analysis, (30, 50))
+    soft = (layers.picture[..., 3] > 0) & (layers.picture[..., 3] < 255)
+    assert soft.any()
+    assert np.array_equal(layers.base_color[soft], layers.picture[soft])
+    assert (layers.ink == 0).all()
 
 
 def test_a_highlight_is_a_layer_of_its_own_and_fades_as_the_light_turns(highlit):
@@ -124,7 +150,7 @@ def test_a_layer_over_soft_edges_would_make_them_opaque_so_there_is_none(drawing
     layers = split_layers(drawing, (30, 50))
     soft = layers.picture[..., 3] < 255
     assert soft.any()
-    for key in ("shadow", "light", "highlight", "ink"):
+    for key in ("shadow", "light", "highlight"):
         assert (getattr(layers, key)[soft] == 0).all()
 
 
@@ -144,7 +170,7 @@ def test_a_folder_of_layers_says_how_it_is_composed(layers, tmp_path):
     composed = np.asarray(Image.open(tmp_path / "out" / description["composed"]))
     assert [blend for blend, _ in parts] == ["normal", "multiply", "add", "add", "normal"]
     assert np.array_equal(composed, layers.picture)
-    assert difference(compose_simply(parts), composed) <= 1
+    assert sprite_difference(parts, composed) <= 1
 
 
 def read_open_raster(path):
@@ -172,7 +198,7 @@ def test_an_open_raster_document_composes_to_its_merged_picture(layers, tmp_path
     blends = {"svg:src-over": "normal", "svg:multiply": "multiply", "svg:plus": "add"}
     parts = [(blends[layer.get("composite-op")], pixels) for layer, pixels in found]
     assert np.array_equal(merged, layers.picture)
-    assert difference(compose_simply(parts), merged) <= 1
+    assert sprite_difference(parts, merged) <= 1
     assert max(thumbnail.shape) <= 256
 
 

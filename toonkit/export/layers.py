@@ -20,7 +20,10 @@ Blend = Literal["normal", "multiply", "add"]
 STEP = 1 / 255
 """A step of an 8-bit picture."""
 
+OPAQUE = 255
+
 Pixels = NDArray[np.uint8]
+Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,7 @@ class Layers:
     Attributes
     ----------
     base_color : ndarray of uint8
-        The paint without shading and ink, with the alpha of the picture.
+        The paint without shading and ink, with the alpha of the picture, but for soft outlines in ink.
     shadow : ndarray of uint8
         What the paint is multiplied by where the light leaves it darker; opaque there.
     light : ndarray of uint8
@@ -102,8 +105,8 @@ class Layers:
             α = a + β - aβ,    α c' = a (1 - β) c + a β B(b, c) + (1 - a) β b,
 
         with B(b, c) = c for "normal", bc for "multiply" and min(1, b + c) for "add" (W3C Compositing and Blending, section
-        5.8.1). Layers above the base color are empty where it is not opaque, so that programs with other rules for
-        coverage give the same picture.
+        5.8.1). Shadow, light and highlight are empty where the base color is not opaque, so that programs with other rules
+        for coverage give the same picture.
         """
         height, width = self.picture.shape[:2]
         below, under = np.zeros((height, width, 3)), np.zeros((height, width, 1))
@@ -159,43 +162,57 @@ def split_layers(
     that no rounding adds up. Ink is that of the drawing; where a pixel is not quite a mixture of ink and paint, the ink
     takes the difference.
 
-    Pixels that the drawing covers only in part, such as its soft outline, stand in the base color as they are relit: in
-    most programs a layer over such a pixel would make it more opaque.
+    Pixels that the drawing covers only in part, such as its soft outline, stand in one layer as they are relit: in the ink
+    where they continue a line, else in the base color. A shadow or light over such a pixel would make it more opaque in
+    most programs.
     """
     relit = relight(analysis, light, keep_detail=keep_detail, flat_shading=flat_shading)
     picture = relit.to_rgba()
-    opaque = np.flatnonzero((picture[..., 3] == 255).ravel() & analysis.image.mask.ravel())
-    target = relit.color.reshape(-1, 3)[opaque]
     source, coverage = _paint_sources(analysis)
-    source, coverage = source[opaque], coverage[opaque]
+    seen = picture[..., 3].ravel()
+    opaque = np.flatnonzero((seen == OPAQUE) & analysis.image.mask.ravel())
     # Under ink lies the paint of the pixel that it was unmixed with.
-    paint = relit.color.reshape(-1, 3)[source]
+    paint = relit.color.reshape(-1, 3)[source[opaque]]
     base = _steps(analysis.base_color.color.reshape(-1, 3)[source])
     shine = np.clip(_highlight(analysis, direction_of("light", light, behind=True))[opaque], 0.0, paint)
+    shadow, bright, shine = _shading(paint, base[opaque], shine)
+    line, share = _ink(
+        relit.color.reshape(-1, 3)[opaque], base[opaque] * shadow + bright + shine, coverage[opaque]
+    )
+    layers = Layers(
+        base_color=picture.copy(),
+        shadow=_layer(picture.shape, opaque, shadow, (shadow < 1).any(axis=1)),
+        light=_layer(picture.shape, opaque, bright, (bright > 0).any(axis=1)),
+        highlight=_layer(picture.shape, opaque, shine, (shine > 0).any(axis=1)),
+        ink=_layer(picture.shape, opaque, line, share),
+        picture=picture,
+    )
+    below, above = layers.base_color.reshape(-1, 4), layers.ink.reshape(-1, 4)
+    below[opaque, :3] = np.round(255 * base[opaque])
+    soft_lines = (seen > 0) & (coverage > 0.5)
+    soft_lines[opaque] = False
+    above[soft_lines] = below[soft_lines]
+    below[soft_lines] = np.column_stack([np.round(255 * base[soft_lines]), np.zeros(soft_lines.sum())])
+    return layers
+
+
+def _layer(shape: tuple[int, ...], places: Indices, colors: FloatArray, alpha: ArrayLike) -> Pixels:
+    """Return a layer with colors (n, 3) and alphas (n,) at some pixels (n,), empty elsewhere."""
+    pixels, alpha = np.zeros(shape, np.uint8), np.asarray(alpha, dtype=np.float64)
+    shown = alpha > 0
+    pixels.reshape(-1, 4)[places[shown]] = np.round(255 * np.column_stack([colors[shown], alpha[shown]]))
+    return pixels
+
+
+def _shading(
+    paint: FloatArray, base: FloatArray, shine: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return shadow, light and highlight that make paint (n, 3) of base colors, in steps of 8 bits."""
     dimmed = paint - shine
     shadow = np.where(dimmed < base - STEP / 2, _steps(dimmed / np.maximum(base, STEP)), 1.0)
     bright = np.where(dimmed > base + STEP / 2, _steps(np.maximum(dimmed - base, 0.0)), 0.0)
-    under = base * shadow + bright
-    shine = np.where(shine > 0, _steps(np.clip(paint - under, 0.0, 1.0)), 0.0)
-    under = under + shine
-    line, coverage = _ink(target, under, coverage)
-
-    def layer(color: FloatArray, alpha: FloatArray) -> Pixels:
-        pixels = np.zeros_like(picture)
-        shown = alpha > 0
-        pixels.reshape(-1, 4)[opaque[shown]] = np.round(255 * np.column_stack([color[shown], alpha[shown]]))
-        return pixels
-
-    base_color = picture.copy()
-    base_color.reshape(-1, 4)[opaque, :3] = np.round(255 * base)
-    return Layers(
-        base_color=base_color,
-        shadow=layer(shadow, (shadow < 1).any(axis=1).astype(float)),
-        light=layer(bright, (bright > 0).any(axis=1).astype(float)),
-        highlight=layer(shine, (shine > 0).any(axis=1).astype(float)),
-        ink=layer(line, coverage),
-        picture=picture,
-    )
+    rest = np.clip(paint - base * shadow - bright, 0.0, 1.0)
+    return shadow, bright, np.where(shine > 0, _steps(rest), 0.0)
 
 
 def _steps(values: FloatArray) -> FloatArray:
@@ -204,15 +221,23 @@ def _steps(values: FloatArray) -> FloatArray:
     return rounded
 
 
-def _paint_sources(analysis: ToonAnalysis) -> tuple[NDArray[np.intp], FloatArray]:
-    """Return for every pixel (H·W,) the index of the one that shows its paint without ink, and how much of it is ink."""
-    drawing, mask = analysis.drawing, analysis.image.mask
-    source, coverage = np.arange(mask.size), np.zeros(mask.size)
-    places, mixed = np.flatnonzero(mask.ravel()), drawing.mixed
+def _paint_sources(analysis: ToonAnalysis) -> tuple[Indices, FloatArray]:
+    """
+    Return for each pixel (H·W,) the index of the one that shows its paint without ink, and how much of it is ink.
+
+    Pixels of the fringe are as the object pixel nearest to them.
+    """
+    drawing, image = analysis.drawing, analysis.image
+    source, coverage = np.arange(image.mask.size), np.zeros(image.mask.size)
+    places, mixed = np.flatnonzero(image.mask.ravel()), drawing.mixed
     covered = drawing.frame.compact(drawing.ink.coverage)[mixed.pixels]
     inked = covered > 0
     source[places[mixed.pixels[inked]]] = places[mixed.sources[inked, 0]]
     coverage[places[mixed.pixels]] = covered
+    fringe, nearest = (
+        np.ravel_multi_index(where, image.shape) for where in (image.fringe_places, image.fringe_sources)
+    )
+    source[fringe], coverage[fringe] = source[nearest], coverage[nearest]
     return source, coverage
 
 
