@@ -108,7 +108,7 @@ def test_shadow_never_brightens_and_is_empty_where_nothing_is_darker(several):
     acting = layers.shadow[..., 3] > 0
     assert 0 < acting.sum() < (layers.picture[..., 3] > 0).sum()
     assert (layers.shadow[acting, :3] < 255).any(axis=1).all()
-    assert (layers.shadow[~acting] == 0).all()
+    assert (layers.shadow[~acting] == (255, 255, 255, 0)).all()
 
 
 def test_ink_lies_where_the_drawing_has_ink_whatever_the_light(several):
@@ -151,7 +151,14 @@ def test_a_layer_over_soft_edges_would_make_them_opaque_so_there_is_none(drawing
     soft = layers.picture[..., 3] < 255
     assert soft.any()
     for key in ("shadow", "light", "highlight"):
-        assert (getattr(layers, key)[soft] == 0).all()
+        assert (getattr(layers, key)[soft, 3] == 0).all()
+
+
+def test_engines_that_ignore_alpha_when_they_multiply_or_add_change_nothing_where_layers_do_nothing(drawing):
+    layers = split_layers(drawing, (30, 50))
+    assert (layers.shadow[layers.shadow[..., 3] == 0, :3] == 255).all()
+    for added in (layers.light, layers.highlight):
+        assert (added[added[..., 3] == 0, :3] == 0).all()
 
 
 @pytest.fixture(scope="module")

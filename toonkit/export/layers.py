@@ -59,7 +59,10 @@ KINDS = {
 @dataclass(frozen=True, eq=False)
 class Layers:
     """
-    A relit picture taken apart: each layer is 8-bit sRGB with straight alpha, shape (H, W, 4), 0 where it does nothing.
+    A relit picture taken apart: each layer is 8-bit sRGB with straight alpha, shape (H, W, 4).
+
+    Where a layer does nothing its alpha is 0 and its color neutral, for engines that ignore alpha in some blend modes: white
+    in the shadow, black in light and highlight.
 
     Attributes
     ----------
@@ -187,6 +190,7 @@ def split_layers(
         ink=_layer(picture.shape, opaque, line, share),
         picture=picture,
     )
+    layers.shadow[layers.shadow[..., 3] == 0, :3] = 255
     below, above = layers.base_color.reshape(-1, 4), layers.ink.reshape(-1, 4)
     below[opaque, :3] = np.round(255 * base[opaque])
     soft_lines = (seen > 0) & (coverage > 0.5)
