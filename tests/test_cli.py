@@ -228,6 +228,41 @@ def test_relight_paints_what_the_library_paints(analyzed, tmp_path, capsys, sour
         assert np.abs(np.asarray(found).astype(int) - expected).max() <= 1
 
 
+def test_relight_takes_a_light_from_behind(analyzed, tmp_path):
+    target = tmp_path / "rim.png"
+    assert main(["relight", str(analyzed), "--light", "60,-30", "-o", str(target)]) == 0
+    expected = relight(load_analysis(analyzed / "analysis.npz"), (60, -30)).to_rgba()
+    with Image.open(target) as found:
+        assert np.array_equal(np.asarray(found), expected)
+
+
+def test_relight_lets_a_light_circle_behind_the_picture(analyzed, tmp_path):
+    target = tmp_path / "rim.webp"
+    options = ["--frames", "2", "--elevation", "-30"]
+    assert main(["relight", str(analyzed), "--orbit", str(target), *options]) == 0
+    with Image.open(target) as found:
+        assert found.n_frames == 2
+
+
+@pytest.mark.parametrize("name", ["layers", "layers.ora"])
+def test_relight_writes_layers_with_or_without_the_picture(analyzed, tmp_path, capsys, name):
+    target, picture = tmp_path / name, tmp_path / "relit.png"
+    command = ["relight", str(analyzed), "--light", "-30,50", "--layers", str(target)]
+    assert main(command) == 0
+    assert capsys.readouterr().out == f"written to {target}\n"
+    assert main([*command, "-o", str(picture)]) == 0
+    assert picture.exists()
+    if target.is_dir():
+        with Image.open(target / "relit.png") as found, Image.open(picture) as expected:
+            assert np.array_equal(np.asarray(found), np.asarray(expected))
+
+
+def test_relight_writes_light_profiles_without_a_light(analyzed, tmp_path):
+    target = tmp_path / "profiles"
+    assert main(["relight", str(analyzed), "--profiles", str(target)]) == 0
+    assert len(list(target.iterdir())) == 10
+
+
 def test_relight_can_leave_the_drawings_detail_out(analyzed, tmp_path):
     target = tmp_path / "relit.webp"
     assert main(["relight", str(analyzed), "--light", "-30,50", "-o", str(target), "--model-only"]) == 0
@@ -305,6 +340,15 @@ def test_help_is_given(arguments, capsys):
         ("relight {analyzed} --light 30,50", "relight needs -o FILE"),
         ("relight {analyzed} -o {tmp}/relit.png", "needs one of --light AZ,EL and --orbit FILE; got neither"),
         ("relight {analyzed} --light 1,2 --orbit {tmp}/a.gif", "needs one of .* got both"),
+        (
+            "relight {analyzed} --layers {tmp}/layers",
+            "needs one of --light AZ,EL and --orbit FILE; got neither",
+        ),
+        ("relight {analyzed} --orbit {tmp}/a.gif --layers {tmp}/a", "needs --light AZ,EL beside --layers"),
+        ("relight {analyzed} --profiles {tmp}/a -o {tmp}/b.png", "takes the folder's name from --profiles"),
+        ("relight {analyzed} --light 30,50 --layers {tmp}/a.xcf", r"path must end in \.ora or \.psd"),
+        ("relight {analyzed} --light 30,-91 -o {tmp}/a.png", "elevation must lie in -90 to 90"),
+        ("analyze {drawing} -o {out} --engine quake", "invalid choice: 'quake'"),
         ("relight {analyzed} --orbit {tmp}/a.gif -o {tmp}/b.gif", "takes the animation's name from --orbit"),
         ("relight {analyzed} --light 30,50 -o {tmp}/relit.jpg", r"path must end in \.png or \.webp"),
         ("relight {analyzed} --light 30,50 -o {out}/relit.png", "path must lie in an existing folder"),

@@ -2,7 +2,17 @@ import numpy as np
 import pytest
 
 from tests.analytic import LIGHT, TWO_TONE, ellipse, painted
-from toonkit import ToonImage, ToonkitError, analyze, color_rmse, light_direction, relight, shade
+from toonkit import (
+    Materials,
+    ToonAnalysis,
+    ToonImage,
+    ToonkitError,
+    analyze,
+    color_rmse,
+    light_direction,
+    relight,
+    shade,
+)
 from toonkit.relighting import detail_weight
 
 
@@ -60,11 +70,51 @@ def test_the_fringe_moves_with_the_nearest_object_pixel():
 
 
 @pytest.mark.parametrize(
-    ("light", "words"), [([0, 0, 0], "zero"), ([0, 0, -1], "behind"), ("up", "direction")]
+    ("light", "words"), [([0, 0, 0], "zero"), ([0, np.nan, -1], "finite"), ("up", "direction")]
 )
 def test_a_new_light_that_is_none_is_refused_by_its_name(analysis, light, words):
     with pytest.raises(ToonkitError, match=f"new_light.*{words}"):
         relight(analysis, light)
+
+
+@pytest.fixture(scope="module")
+def ball():
+    """A two-tone ball whose shape is exact, and its terminator at L · N = 0.2."""
+    shape = ellipse(40, 40)
+    return ToonAnalysis(
+        image=painted(shape.normals, TWO_TONE),
+        method="toonkit",
+        light=LIGHT,
+        normals=shape.normals,
+        initial_normals=shape.normals,
+        materials=Materials.single(shape.mask, TWO_TONE),
+    )
+
+
+@pytest.mark.parametrize("elevation", [0, -10, -30, -60, -90])
+@pytest.mark.parametrize("azimuth", [0, 90, 225])
+def test_a_light_from_behind_paints_the_color_map_of_its_illumination(ball, azimuth, elevation):
+    light = light_direction(azimuth, elevation)
+    model = shade(ball.normals, light, TWO_TONE)
+    relit = relight(ball, (azimuth, elevation), keep_detail=False)
+    assert np.allclose(relit.color, model.color, rtol=0, atol=1e-12, equal_nan=True)
+
+
+def test_from_behind_only_a_rim_toward_the_light_is_lit_and_it_narrows(ball):
+    lit = [relight(ball, (90, elevation)).color[..., 0] > 0.9 for elevation in (0, -20, -40, -60)]
+    areas = [int(part.sum()) for part in lit]
+    assert areas == sorted(areas, reverse=True)
+    assert areas[2] > 0
+    row, _ = np.nonzero(lit[2])
+    assert (
+        row.max() < ball.image.shape[0] * 0.4
+    )  # all of it at the top, where the surface turns toward the light
+    assert not lit[2][ball.image.shape[0] // 2].any()
+
+
+def test_straight_from_behind_everything_is_in_shadow(ball):
+    relit = relight(ball, (0, -90))
+    assert np.abs(relit.color[relit.mask] - TWO_TONE.colors[0]).max() < 1e-12
 
 
 def test_texture_outlasts_a_misplaced_band_edge():

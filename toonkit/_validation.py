@@ -174,8 +174,8 @@ def as_labels(argument: str, value: ArrayLike, mask: BoolArray) -> NDArray[np.in
     return labels
 
 
-def as_light(argument: str, value: ArrayLike) -> FloatArray:
-    """Return a unit (3,) direction from the surface to a light on the viewer's side of the image plane."""
+def as_light(argument: str, value: ArrayLike, *, behind: bool = False) -> FloatArray:
+    """Return a unit (3,) direction from the surface to a light, on the viewer's side of the image plane unless `behind`."""
     try:
         light = as_array(argument, value, (3,))
     except ToonkitError as error:
@@ -193,6 +193,8 @@ def as_light(argument: str, value: ArrayLike) -> FloatArray:
     if not 1e-100 < largest < 1e100:
         light = light / largest  # so that the squares of its components stay numbers
     light = light / np.linalg.norm(light)
+    if behind and light[2] < -BEHIND:
+        return light
     if light[2] < -BEHIND:
         shown = np.array2string(light, precision=3, suppress_small=True)
         raise refuse(

@@ -41,7 +41,8 @@ def relight(
     analysis : ToonAnalysis
         The picture taken apart.
     new_light : array_like, shape (3,) or (2,)
-        Direction from the surface to the new light, or its azimuth and elevation in degrees.
+        Direction from the surface to the new light, or its azimuth and elevation in degrees. It may stand behind the
+        picture: z < 0, or an elevation from -90 on.
     keep_detail : bool, optional
         True keeps what the model does not explain (band edges, brush texture) where the illumination hardly changes, so
         that at the original light the input returns unchanged. False paints the model alone (Eq. 7).
@@ -56,7 +57,7 @@ def relight(
     Raises
     ------
     ToonkitError
-        If the new light is zero, not finite or from behind, the analysis is none, or the flat shading leaves [0, 1].
+        If the new light is zero or not finite, the analysis is none, or the flat shading leaves [0, 1].
 
     Notes
     -----
@@ -73,9 +74,13 @@ def relight(
     Pixels that the object touches without filling them move as the nearest object pixel does. Line art stays as it is
     drawn: what it covers in part changes for the rest, and so does what two materials share. A highlight moves with the
     paint that it lies on, and fades as w does for a small d, with r = `HIGHLIGHT_RANGE`.
+
+    A light behind the picture follows the same rule. Visible normals have N_z >= 0, so with L_z < 0 what faces the viewer
+    has a negative illumination, which is shadow. Lit is only where the surface turns away toward the light, L · N > 0: a
+    rim light, the narrower the farther behind the light stands. Straight from behind L · N = -N_z, and nothing is lit.
     """
     of_type("analysis", analysis, ToonAnalysis)
-    light = direction_of("new_light", new_light)
+    light = direction_of("new_light", new_light, behind=True)
     if not is_number(flat_shading) or not 0 <= flat_shading <= 1:
         raise refuse("flat_shading", "must be a number from 0 to 1", flat_shading)
     image, drawing, materials = analysis.image, analysis.drawing, analysis.materials

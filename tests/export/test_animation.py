@@ -108,9 +108,9 @@ def test_a_cancelled_orbit_leaves_no_file(analysis, tmp_path):
         ("orbit.gif", {"frames": 1}, "frames must be a whole number from 2 to 720"),
         ("orbit.gif", {"frames": 2.5}, "frames must be a whole number from 2 to 720"),
         ("orbit.gif", {"frames": 721}, "frames must be a whole number from 2 to 720"),
-        ("orbit.gif", {"elevation": 91}, "elevation must lie in 0 to 90"),
+        ("orbit.gif", {"elevation": 91}, "elevation must lie in -90 to 90"),
         ("orbit.gif", {"flat_shading": 1.5}, "flat_shading must be a number from 0 to 1; got 1.5"),
-        ("orbit.gif", {"elevation": float("nan")}, "elevation must lie in 0 to 90"),
+        ("orbit.gif", {"elevation": float("nan")}, "elevation must lie in -90 to 90"),
     ],
 )
 def test_what_is_no_orbit_is_refused(analysis, tmp_path, name, options, reason):

@@ -59,6 +59,10 @@ def test_shading_is_the_color_map_of_the_illumination():
     assert np.isnan(picture.color[~DISC]).all()
 
 
-def test_a_light_from_behind_is_refused():
-    with pytest.raises(ToonkitError, match="light must not come from behind"):
-        shade(BALL, [0, 0, -1], RAMP)
+def test_a_light_straight_from_behind_turns_the_illumination_round():
+    assert np.array_equal(illumination(BALL, [0, 0, -1]), -illumination(BALL, [0, 0, 1]), equal_nan=True)
+
+
+def test_a_light_that_points_nowhere_is_refused():
+    with pytest.raises(ToonkitError, match="light must point somewhere"):
+        shade(BALL, [0, 0, 0], RAMP)

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 METHOD_NAMES = ("toonkit", "classical", "todo", "lumo", "lambert")
 """The keys of `toonkit.METHODS`, repeated so that the help does not have to import them."""
 
+ENGINE_NAMES = ("godot", "unity", "unreal", "blender", "cocos", "defold")
+"""The keys of `toonkit.export.engines.ENGINES`, repeated for the same reason."""
+
 SAMPLE_PREFIX = "sample:"
 
 UNSURE = 0.5
@@ -124,13 +127,40 @@ def _parser() -> argparse.ArgumentParser:
     analyze.add_argument(
         "--method", choices=METHOD_NAMES, default="toonkit", help="estimator (default: toonkit)"
     )
+    analyze.add_argument(
+        "--engine",
+        choices=ENGINE_NAMES,
+        help="write a normal map for this engine, too, beside base_color.png: with alpha, and its green axis and suffix",
+    )
+    analyze.add_argument(
+        "--bleed",
+        type=float,
+        default=16,
+        metavar="PIXELS",
+        help="how far the engine's normal map goes on outside the drawing, for filtering and mipmaps (default: 16)",
+    )
     analyze.add_argument("--quiet", action="store_true", help="no progress bar and no summary")
     analyze.set_defaults(run=_analyze)
 
     relight = commands.add_parser("relight", help="paint an analyzed drawing under another light")
     relight.add_argument("analysis", help="the folder that `toonkit analyze` wrote, or its analysis.npz")
-    relight.add_argument("--light", metavar="AZ,EL", help="the new light, in degrees")
+    relight.add_argument(
+        "--light",
+        metavar="AZ,EL",
+        help="the new light, in degrees; an elevation below 0 is behind the picture",
+    )
     relight.add_argument("-o", "--out", metavar="FILE", help="picture to write, .png or .webp")
+    relight.add_argument(
+        "--layers",
+        metavar="PATH",
+        help="write the picture as layers (base color, shadow, light, highlight, ink): a file that ends in .psd or .ora, "
+        "or a folder of PNGs",
+    )
+    relight.add_argument(
+        "--profiles",
+        metavar="FOLDER",
+        help="write the drawing lit from the left, right, top, bottom and front, gray and relit, for sprite-lighting tools",
+    )
     relight.add_argument(
         "--orbit", metavar="FILE", help="animation to write, .gif, .webp or .apng: the light circles"
     )
@@ -138,7 +168,7 @@ def _parser() -> argparse.ArgumentParser:
         "--frames", type=int, default=36, metavar="N", help="frames of the animation (default: 36)"
     )
     relight.add_argument(
-        "--elevation", type=float, metavar="EL", help="elevation of the circling light, in degrees"
+        "--elevation", type=float, metavar="EL", help="elevation of the circling light, in degrees, -90 to 90"
     )
     relight.add_argument(
         "--model-only",
@@ -198,7 +228,9 @@ def _analyze(arguments: argparse.Namespace) -> int:
             "input_fit_rmse": float(color_rmse(analysis.picture, image)),
             "seconds": progress.seconds(),
         }
-        written = write_analysis_folder(analysis, folder, notes=notes)
+        written = write_analysis_folder(
+            analysis, folder, notes=notes, engine=arguments.engine, bleed=arguments.bleed
+        )
     if not arguments.quiet:
         _summarize(analysis, arguments.drawing, folder, notes)
         width = max(len(path.name) for path in written)
@@ -228,44 +260,61 @@ def _summarize(analysis: ToonAnalysis, drawing: str, folder: Path, notes: dict[s
     print(f"written to {folder}:")
 
 
-def _relight(arguments: argparse.Namespace) -> int:
-    if (arguments.light is None) == (arguments.orbit is None):
+def _check_outputs(arguments: argparse.Namespace) -> None:
+    """Refuse lights without a place for their pictures, and places without a light."""
+    if (arguments.light is None) == (arguments.orbit is None) and (arguments.light or not arguments.profiles):
         raise refuse(
             "relight", "needs one of --light AZ,EL and --orbit FILE", "both" if arguments.light else "neither"
         )
-    if arguments.light is not None and arguments.out is None:
-        raise refuse("relight", "needs -o FILE beside --light", "no -o")
-    if arguments.orbit is not None and arguments.out is not None:
-        raise refuse("relight", "takes the animation's name from --orbit alone", f"-o {arguments.out} too")
-    light = None if arguments.light is None else parse_light(arguments.light)
+    if arguments.light is not None and arguments.out is None and arguments.layers is None:
+        raise refuse("relight", "needs -o FILE or --layers PATH beside --light", "neither")
+    if arguments.light is None and arguments.layers is not None:
+        raise refuse("relight", "needs --light AZ,EL beside --layers", "none")
+    if arguments.light is None and arguments.out is not None:
+        named = "--profiles" if arguments.orbit is None else "--orbit"
+        what = "folder" if arguments.orbit is None else "animation"
+        raise refuse("relight", f"takes the {what}'s name from {named} alone", f"-o {arguments.out} too")
+
+
+def _relight(arguments: argparse.Namespace) -> int:
+    _check_outputs(arguments)
+    light = None if arguments.light is None else parse_light(arguments.light, behind=True)
 
     from toonkit.export.animation import write_orbit  # noqa: PLC0415
     from toonkit.export.archive import load_analysis  # noqa: PLC0415
     from toonkit.export.folder import ARCHIVE_NAME  # noqa: PLC0415
+    from toonkit.export.layer_files import write_layers  # noqa: PLC0415
+    from toonkit.export.layers import split_layers  # noqa: PLC0415
+    from toonkit.export.light_profiles import write_light_profiles  # noqa: PLC0415
     from toonkit.export.picture import write_picture  # noqa: PLC0415
     from toonkit.relighting import relight  # noqa: PLC0415
 
     source = Path(arguments.analysis).expanduser()
     analysis = load_analysis(source / ARCHIVE_NAME if source.is_dir() else source)
-    keep_detail = not arguments.model_only
-    if light is not None:
-        target = arguments.out
-        relit = relight(analysis, light, keep_detail=keep_detail, flat_shading=arguments.flat_shading)
-        write_picture(relit, target)
-    else:
-        target = arguments.orbit
+    options: dict[str, Any] = {
+        "keep_detail": not arguments.model_only,
+        "flat_shading": arguments.flat_shading,
+    }
+    if light is not None and arguments.out is not None:
+        write_picture(relight(analysis, light, **options), arguments.out)
+    if light is not None and arguments.layers is not None:
+        write_layers(split_layers(analysis, light, **options), arguments.layers)
+    if arguments.profiles is not None:
+        write_light_profiles(analysis, arguments.profiles, **options)
+    if arguments.orbit is not None:
         with StepBar(visible=not arguments.quiet) as progress:
             write_orbit(
                 analysis,
-                target,
+                arguments.orbit,
                 frames=arguments.frames,
                 elevation=arguments.elevation,
-                keep_detail=keep_detail,
-                flat_shading=arguments.flat_shading,
                 progress=lambda fraction: progress("painting frames", fraction),
+                **options,
             )
     if not arguments.quiet:
-        print(f"written to {target}")
+        for target in (arguments.out, arguments.layers, arguments.profiles, arguments.orbit):
+            if target is not None:
+                print(f"written to {target}")
     return 0
 
 

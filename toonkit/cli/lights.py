@@ -10,12 +10,11 @@ if TYPE_CHECKING:
     from toonkit._validation import FloatArray
 
 
-def parse_light(text: str) -> FloatArray:
+def parse_light(text: str, *, behind: bool = False) -> FloatArray:
     """Return the direction, shape (3,), of a light typed as AZIMUTH,ELEVATION; raises `ToonkitError` for anything else."""
-    from toonkit.model.light import light_direction  # noqa: PLC0415
+    from toonkit.model.light import direction_of  # noqa: PLC0415
 
-    azimuth, elevation = parse_angles(text)
-    return light_direction(azimuth, elevation)
+    return direction_of("--light", parse_angles(text), behind=behind)
 
 
 def parse_angles(text: str) -> tuple[float, float]:

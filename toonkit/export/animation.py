@@ -50,7 +50,8 @@ def write_orbit(
     frames : int, optional
         Number of frames, 2 to 720.
     elevation : float, optional
-        Degrees, 0 to 90; by default that of the analyzed light, kept within 15 to 60.
+        Degrees, -90 to 90, below 0 for a light that circles behind the picture; by default that of the analyzed light,
+        kept within 15 to 60.
     keep_detail : bool, optional
         As in `relight`.
     flat_shading : float, optional
@@ -73,8 +74,8 @@ def write_orbit(
     azimuth, analyzed_elevation = light_angles(analysis.light)
     if elevation is None:
         elevation = min(max(analyzed_elevation, _SHALLOWEST), _STEEPEST)
-    elif not is_number(elevation) or not 0 <= elevation <= 90:
-        raise refuse("elevation", "must lie in 0 to 90 degrees", elevation)
+    elif not is_number(elevation) or not -90 <= elevation <= 90:
+        raise refuse("elevation", "must lie in -90 to 90 degrees", elevation)
     azimuths = azimuth + np.arange(frames) * (360 / frames)
 
     def picture(index: int) -> Image.Image:

@@ -13,6 +13,7 @@ from toonkit.export.archive import save_analysis
 from toonkit.export.atomic import PathLike
 from toonkit.export.color_map import write_color_map, write_color_maps
 from toonkit.export.contact_sheet import contact_sheet
+from toonkit.export.engines import BLEED, ENGINES, SUFFIX, write_engine_normal_map
 from toonkit.export.line_art import line_art
 from toonkit.export.normal_map import write_normal_map
 from toonkit.export.picture import write_picture
@@ -25,7 +26,11 @@ ARCHIVE_NAME = "analysis.npz"
 REPORT_NAME = "report.json"
 """Name of the report, which lists the files of its folder."""
 
-_ONLY_SOME_HAVE = ("line_art.png", "color_map.png", "color_map.json", "color_maps.png", "color_maps.json")
+_ENGINE_MAP_NAME = f"base_color{SUFFIX}.png"
+
+_ONLY_SOME_HAVE = (
+    "line_art.png", "color_map.png", "color_map.json", "color_maps.png", "color_maps.json", _ENGINE_MAP_NAME
+)  # fmt: skip
 
 
 def make_folder(path: PathLike) -> Path:
@@ -60,7 +65,12 @@ def make_folder(path: PathLike) -> Path:
 
 
 def write_analysis_folder(
-    analysis: ToonAnalysis, folder: PathLike, *, notes: Mapping[str, Any] | None = None
+    analysis: ToonAnalysis,
+    folder: PathLike,
+    *,
+    notes: Mapping[str, Any] | None = None,
+    engine: str | None = None,
+    bleed: float = BLEED,
 ) -> dict[Path, str]:
     """
     Write an analysis into a folder.
@@ -74,6 +84,10 @@ def write_analysis_folder(
         earlier analysis wrote into it and that this one has no need of are removed: those that its report lists.
     notes : mapping, optional
         Added to report.json.
+    engine : str, optional
+        A key of `ENGINES`: the folder then has a normal map for it, base_color_n.png.
+    bleed : float, optional
+        Pixels by which that normal map goes on outside the object.
 
     Returns
     -------
@@ -83,11 +97,18 @@ def write_analysis_folder(
     Raises
     ------
     ToonkitError
-        If the folder cannot be written to.
+        If the folder cannot be written to, or there is no such engine.
     """
+    if engine is not None and engine not in ENGINES:
+        raise refuse("engine", f"must be one of {', '.join(ENGINES)}", repr(engine))
     target = make_folder(folder)
     earlier = _files_of_report(target / REPORT_NAME)
     writers = _writers(analysis)
+    if engine is not None:
+        writers[_ENGINE_MAP_NAME] = (
+            f"normal map of base_color.png for {engine.capitalize()}",
+            lambda path: write_engine_normal_map(analysis, path, engine, bleed=bleed),
+        )
     report = {**analysis_report(analysis), **(notes or {}), "files": [*writers, REPORT_NAME]}
     writers[REPORT_NAME] = ("how it went", lambda path: write_report(report, path))
     written = {}

@@ -17,7 +17,8 @@ def light_direction(azimuth: float, elevation: float) -> FloatArray:
     azimuth : float
         Degrees, counter-clockwise from +x (the picture's right). 90 is above, 180 left.
     elevation : float
-        Degrees from the image plane toward the viewer, 0 to 90. 90 is a light at the viewer's eye.
+        Degrees from the image plane toward the viewer, -90 to 90. 90 is a light at the viewer's eye, and a negative one
+        a light behind the picture, which only relighting takes.
 
     Returns
     -------
@@ -27,7 +28,7 @@ def light_direction(azimuth: float, elevation: float) -> FloatArray:
     Raises
     ------
     ToonkitError
-        If an angle is not a finite number or the elevation lies outside 0 to 90 degrees.
+        If an angle is not a finite number or the elevation lies outside -90 to 90 degrees.
 
     Examples
     --------
@@ -38,15 +39,15 @@ def light_direction(azimuth: float, elevation: float) -> FloatArray:
         raise refuse("azimuth", "must be a finite number of degrees", azimuth)
     if not is_number(elevation):
         raise refuse("elevation", "must be a finite number of degrees", elevation)
-    if not 0.0 <= elevation <= 90.0:
-        raise refuse("elevation", "must lie in 0 to 90 degrees (a light from behind cannot shade)", elevation)
+    if not -90.0 <= elevation <= 90.0:
+        raise refuse("elevation", "must lie in -90 to 90 degrees", elevation)
     turn, rise = np.deg2rad(azimuth), np.deg2rad(elevation)
-    # cos(90 degrees) is 6e-17 in floating point: rounding it away keeps z >= 0 and 0 exactly 0.
+    # cos(90 degrees) is 6e-17 in floating point: rounding it away keeps 0 exactly 0.
     vector = np.array([np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)]).round(15)
-    return as_light("light", vector)
+    return as_light("light", vector, behind=True)
 
 
-def direction_of(argument: str, light: ArrayLike) -> FloatArray:
+def direction_of(argument: str, light: ArrayLike, *, behind: bool = False) -> FloatArray:
     """
     Return the unit vector of a light given as a direction or in degrees.
 
@@ -56,25 +57,31 @@ def direction_of(argument: str, light: ArrayLike) -> FloatArray:
         Name of the argument, for the message of an error.
     light : array_like, shape (3,) or (2,)
         Direction from the surface to the light, or azimuth and elevation as in `light_direction`.
+    behind : bool, optional
+        Whether the light may stand behind the picture.
 
     Returns
     -------
     ndarray, shape (3,)
-        Unit vector, z >= 0.
+        Unit vector; z >= 0 unless the light may stand behind.
 
     Raises
     ------
     ToonkitError
-        If it is neither, zero, not finite or from behind.
+        If it is neither, zero, not finite, or from behind where it may not be.
     """
     try:
         given = np.asarray(light)
     except ValueError:  # rows of different lengths
-        return as_light(argument, light)
+        return as_light(argument, light, behind=behind)
     if given.shape == (2,):
         azimuth, elevation = given.tolist()
+        if not behind and is_number(elevation) and -90.0 <= elevation < 0.0:
+            raise refuse(
+                "elevation", "must lie in 0 to 90 degrees (a light from behind shades no drawing)", elevation
+            )
         return light_direction(azimuth, elevation)
-    return as_light(argument, light)
+    return as_light(argument, light, behind=behind)
 
 
 def describe_light(light: FloatArray) -> str:
@@ -107,17 +114,17 @@ def light_angles(light: ArrayLike) -> tuple[float, float]:
     Parameters
     ----------
     light : array_like, shape (3,)
-        Direction from the surface to the light; any length but zero, z >= 0.
+        Direction from the surface to the light; any length but zero.
 
     Returns
     -------
     azimuth, elevation : float
-        Degrees; azimuth in (-180, 180], elevation in [0, 90].
+        Degrees; azimuth in (-180, 180], elevation in [-90, 90], below 0 for a light behind the picture.
 
     Raises
     ------
     ToonkitError
-        If the light is zero, not finite or from behind.
+        If the light is zero or not finite.
     """
-    x, y, z = as_light("light", light)
+    x, y, z = as_light("light", light, behind=True)
     return float(np.rad2deg(np.arctan2(y, x))), float(np.rad2deg(np.arctan2(z, np.hypot(x, y))))

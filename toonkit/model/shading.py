@@ -21,7 +21,7 @@ def illumination(normals: NormalField, light: ArrayLike) -> FloatArray:
     normals : NormalField
         Unit normals.
     light : array_like, shape (3,) or (2,)
-        Direction from the surface to the light, or its azimuth and elevation in degrees.
+        Direction from the surface to the light, or its azimuth and elevation in degrees; it may stand behind the picture.
 
     Returns
     -------
@@ -31,10 +31,10 @@ def illumination(normals: NormalField, light: ArrayLike) -> FloatArray:
     Raises
     ------
     ToonkitError
-        If the light is zero, not finite or from behind.
+        If the light is zero or not finite.
     """
     of_type("normals", normals, NormalField)
-    return np.clip(normals.vectors @ direction_of("light", light), -1.0, 1.0)
+    return np.clip(normals.vectors @ direction_of("light", light, behind=True), -1.0, 1.0)
 
 
 def shade(normals: NormalField, light: ArrayLike, color_map: ColorMap) -> ToonImage:
@@ -46,7 +46,7 @@ def shade(normals: NormalField, light: ArrayLike, color_map: ColorMap) -> ToonIm
     normals : NormalField
         Unit normals.
     light : array_like, shape (3,) or (2,)
-        Direction from the surface to the light, or its azimuth and elevation in degrees.
+        Direction from the surface to the light, or its azimuth and elevation in degrees; it may stand behind the picture.
     color_map : ColorMap
         The ramp M.
 
@@ -58,7 +58,7 @@ def shade(normals: NormalField, light: ArrayLike, color_map: ColorMap) -> ToonIm
     Raises
     ------
     ToonkitError
-        If the light is zero, not finite or from behind.
+        If the light is zero or not finite.
     """
     of_type("color_map", color_map, ColorMap)
     return ToonImage(color_map(illumination(normals, light)), normals.mask)

@@ -27,7 +27,7 @@ from toonkit.metrics import (
 )
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
-from toonkit.model.light import light_direction
+from toonkit.model.light import direction_of, light_direction
 from toonkit.model.shading import illumination, shade
 from toonkit.study.contestants import Contestant
 from toonkit.study.rendering import MIN_SIZE, RenderedShape
@@ -76,7 +76,7 @@ def _checked_angles(argument: str, angles: Angles) -> Angles:
     if len(angles) != 2 or not all(is_number(angle) for angle in angles):
         raise refuse(argument, "must be azimuth and elevation in degrees", angles)
     azimuth, elevation = (float(angle) for angle in angles)
-    light_direction(azimuth, elevation)
+    direction_of(argument, (azimuth, elevation))
     return azimuth, elevation
 
 
