@@ -4,6 +4,7 @@ import io
 import struct
 import tracemalloc
 import warnings
+import zlib
 
 import numpy as np
 import pytest
@@ -115,6 +116,26 @@ def test_a_jpeg_within_a_tiff_is_read():
 def test_an_orientation_of_text_says_nothing(value):
     file = written((PAINTED, {"extratags": [(274, "s", 0, value, True)]}))
     assert read(file).color == pytest.approx(PAINTED / 255)
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+@pytest.mark.parametrize("layout", [{"rowsperstrip": 40}, {"rowsperstrip": 8}, {"tile": (16, 16)}], ids=str)
+def test_a_picture_with_a_part_too_short_is_refused(kind, layout):
+    with pytest.raises(ToonkitError, match="complete, undamaged"):
+        read(_with_one_part_cut(written((PAINTED.astype(kind), {"compression": "zlib", **layout}))))
+
+
+def _with_one_part_cut(file):
+    """The same file, its last strip or tile packed anew with a fifth of its bytes."""
+    content = bytearray(file.getvalue())
+    with tifffile.TiffFile(file) as tiff:
+        page = tiff.pages[0]
+        at, count = page.dataoffsets[-1], page.databytecounts[-1]
+    raw = zlib.decompress(content[at : at + count])
+    packed = zlib.compress(raw[: len(raw) // 5])
+    assert len(packed) <= count
+    content[at : at + len(packed)] = packed
+    return io.BytesIO(content)
 
 
 # Floats

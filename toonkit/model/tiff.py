@@ -92,10 +92,7 @@ def decode_tiff(argument: str, data: bytes, check_size: Callable[[int, int], Non
         page = _drawing(file)
         check_size(page.imagewidth, page.imagelength)
         kind, colors = _check_kind(argument, page, len(data))
-        samples = page.asarray()
-        if page.axes.startswith("S"):  # one plane a channel
-            samples = np.moveaxis(samples, 0, -1)
-        samples = samples.reshape(page.imagelength, page.imagewidth, -1)
+        samples = _read_samples(page)
         if samples.shape[-1] < colors:
             raise ValueError("channels are missing")
         color, alpha = samples[..., :colors], _alpha(page, samples, colors)
@@ -188,6 +185,26 @@ def _check_kind(argument: str, page: Any, size: int) -> tuple[int, int]:
     if math.prod(page.chunks) > 4 * pixels * page.samplesperpixel + 2**24:
         raise refuse(argument, "must be a complete, undamaged picture", f"a TIFF in tiles of {page.chunks}")
     return kind, _COLORS[kind]
+
+
+def _read_samples(page: Any) -> NDArray[Any]:
+    """Decode the samples, shape (H, W, samples); tifffile alone would fill in what a strip or tile lacks."""
+    planes, _, height, width, within = page.shaped
+    if page.is_contiguous:
+        samples = page.asarray().reshape(planes, height, width, within)
+    else:
+        samples = np.empty((planes, height, width, within), page.dtype)
+        found = 0
+        for segment, (plane, _, row, column, _), shape in page.segments():
+            rows, columns = min(shape[1], height - row), min(shape[2], width - column)
+            if segment is None or segment.shape[1] < rows or segment.shape[2] < columns:
+                raise ValueError("a strip or tile is incomplete")
+            samples[plane, row : row + rows, column : column + columns] = segment[0, :rows, :columns]
+            found += rows * columns
+        if found < planes * height * width:
+            raise ValueError("a strip or tile is missing")
+    planes_last: NDArray[Any] = np.moveaxis(samples, 0, -2)
+    return planes_last.reshape(height, width, planes * within)
 
 
 def _alpha(page: Any, samples: NDArray[Any], colors: int) -> NDArray[Any]:
