@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageOps
 
-from toonkit._validation import expand_home, refuse
+from toonkit._validation import refuse
 from toonkit.export.atomic import PathLike, suffix_of
-from toonkit.model.decoding import read_pixels
+from toonkit.model.decoding import read_palette_indices, read_pixels
 from toonkit.model.loading import HALF_COVERED
 from toonkit.model.oklab import oklab_to_srgb
 
@@ -73,8 +72,7 @@ def read_labels(path: PathLike) -> NDArray[np.intp]:
     """
     suffix_of(path, (".png", ".webp"), "materials")
     pixels = read_pixels("materials", path, colors=False)
-    with Image.open(expand_home(path)) as picture:
-        index = np.asarray(ImageOps.exif_transpose(picture)) if picture.mode == "P" else None
+    index: NDArray[np.integer] | None = read_palette_indices("materials", path)
     if index is None:
         red, green, blue = np.moveaxis(np.round(pixels.color * 65535).astype(np.int64), -1, 0)
         index = (red << 32) | (green << 16) | blue

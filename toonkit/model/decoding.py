@@ -104,6 +104,20 @@ def read_pixels(
     return _split(unit_range(argument, _upright(samples, decoded.orientation)))
 
 
+def read_palette_indices(argument: str, path: str | os.PathLike[str]) -> NDArray[np.uint8] | None:
+    """Return the entry of the palette that each pixel of a file has, upright, shape (H, W); None if it has no palette.
+
+    The file is one that `read_pixels` reads.
+    """
+    data, _ = read_bytes(argument, path, limit=MAX_BYTES, kind="a picture file")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        with Image.open(io.BytesIO(data), formats=_FORMATS) as picture:
+            if picture.mode != "P":
+                return None
+            return _upright(np.asarray(picture), _orientation(picture))
+
+
 def unit_range(argument: str, array: NDArray[Any]) -> FloatArray:
     """Return bool, uint8, uint16 or float samples as float64, full scale at 1; floats pass as they are."""
     if array.dtype == np.bool_ or array.dtype.kind == "f":
