@@ -427,3 +427,24 @@ def test_the_package_runs_as_a_program(analyzed, tmp_path):
     )
     assert (done.returncode, done.stderr) == (0, "")
     assert (tmp_path / "relit.png").exists()
+
+
+def test_names_that_start_with_a_tilde_are_names(drawing, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(drawing, "~ball.png")
+    analyze = ["analyze", "~ball.png", "--mask", "~ball.png", "--light", "135,45", "--method", "lumo"]
+    assert main([*analyze, "-o", "~out", "--quiet"]) == 0
+    assert main(["relight", "~out", "--light", "30,50", "-o", "~relit.png", "--quiet"]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"~ball.png", "~out", "~relit.png"}
+
+
+def test_a_warning_is_one_line(drawing, tmp_path, capfd):
+    path = tmp_path / "profile.png"
+    Image.open(drawing).save(path, icc_profile=b"no profile")
+    analyze = ["analyze", str(path), "--light", "135,45", "--method", "lumo", "-o", str(tmp_path / "out")]
+    assert main([*analyze, "--quiet"]) == 0
+    said, complained = capfd.readouterr()
+    assert said == ""
+    assert complained == (
+        "toonkit: warning: source: its color profile is damaged and is ignored, the colors are read as sRGB\n"
+    )

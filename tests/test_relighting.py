@@ -1,8 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.analytic import LIGHT, TWO_TONE, ellipse, painted
 from toonkit import (
+    ColorMap,
     Materials,
     ToonAnalysis,
     ToonImage,
@@ -10,6 +13,7 @@ from toonkit import (
     analyze,
     color_rmse,
     light_direction,
+    load_image,
     relight,
     shade,
 )
@@ -122,3 +126,15 @@ def test_texture_outlasts_a_misplaced_band_edge():
     assert detail_weight(0.0, texture) == detail_weight(0.0, edge) == 1.0
     assert detail_weight(0.05, texture) > 0.85
     assert detail_weight(0.05, edge) < 1e-6
+
+
+@pytest.mark.parametrize("keep_detail", [True, False])
+def test_relit_colors_lie_in_the_unit_range_exactly(analysis, keep_detail):
+    # At this domain's end the position among the samples comes out 3e-14 beyond the last one.
+    steep = ColorMap(np.linspace([0.0, 0.1, 0.0], 1.0, 219) ** 9, (0.09, 0.87))
+    materials = replace(analysis.materials, color_maps=(steep,))
+    relit = relight(replace(analysis, materials=materials), (40, 50), keep_detail=keep_detail)
+    inside = relit.color[relit.mask]
+    assert inside.max() == 1
+    assert inside.min() >= 0
+    load_image(relit.color, mask=relit.mask)

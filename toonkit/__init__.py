@@ -12,7 +12,7 @@ The model is c = M(L · N), with a color map M for each material, under ink. Whe
     Section 4      toonkit.methods, toonkit.metrics    the estimators compared, and how; toonkit.study measures them all
 """
 
-from toonkit._validation import ToonkitError
+from toonkit._validation import ToonkitError, ToonkitWarning
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.color_map_extraction import extract_color_map
 from toonkit.estimation.color_map_fit import fit_color_map, fit_color_maps, illumination_interval
@@ -37,6 +37,7 @@ from toonkit.model.image import ToonImage
 from toonkit.model.light import light_angles, light_direction
 from toonkit.model.loading import load_image
 from toonkit.model.materials import Materials
+from toonkit.model.normal_map_loading import read_normal_map
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination, shade
 from toonkit.numerics.report import SolverReport
@@ -59,6 +60,7 @@ __all__ = [
     "ToonAnalysis",
     "ToonImage",
     "ToonkitError",
+    "ToonkitWarning",
     "analyze",
     "angular_error",
     "color_difference",
@@ -78,6 +80,7 @@ __all__ = [
     "light_direction",
     "load_analysis",
     "load_image",
+    "read_normal_map",
     "refine",
     "relight",
     "relight_response",

@@ -1,14 +1,17 @@
 """The one place where input is coerced or refused.
 
 Public functions pass their arguments through here; private ones trust what they get. Every refusal is a
-`ToonkitError` that names the argument, the rule and the value that broke it.
+`ToonkitError` that names the argument, the rule and the value that broke it. Input that can be used, but perhaps
+not as it was meant, is accepted with a `ToonkitWarning`.
 """
 
 from __future__ import annotations
 
+import os
+import warnings
 from collections.abc import Iterable
 from difflib import get_close_matches
-from os import PathLike
+from pathlib import Path
 from typing import TypeGuard
 
 import numpy as np
@@ -41,6 +44,15 @@ LONGEST_SHOWN = 60
 
 class ToonkitError(ValueError):
     """Input that toonkit cannot work with: the message names the argument, the rule and the value."""
+
+
+class ToonkitWarning(UserWarning):
+    """Input that toonkit uses, but perhaps not as it was meant: the message names the argument and what was assumed."""
+
+
+def warn(argument: str, assumed: str) -> None:
+    """Say in one line what is assumed about an argument that says something else, or nothing."""
+    warnings.warn(f"{argument}: {assumed}", ToonkitWarning, stacklevel=3)
 
 
 def refuse(argument: str, rule: str, value: object) -> ToonkitError:
@@ -93,7 +105,7 @@ def of_type(argument: str, value: object, wanted: type) -> None:
 
 def describe_value(value: object) -> str:
     """Describe, for a message, a value of the wrong kind: text as it is, an array by its shape, else its type."""
-    if isinstance(value, str | PathLike):
+    if isinstance(value, str | os.PathLike):
         text = repr(value)
         return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…"
     if isinstance(value, np.ndarray):
@@ -208,3 +220,14 @@ def same_shape(argument: str, have: tuple[int, ...], want: tuple[int, ...], of: 
     """Refuse an argument whose (H, W) differs from another one's."""
     if have != want:
         raise refuse(argument, f"must have the size of {of} {want}", have)
+
+
+def expand_home(path: str | os.PathLike[str]) -> Path:
+    """Return a path with a leading `~/` or `~user/` expanded; a mere file name such as `~sketch.png` stays as it is."""
+    given = Path(path)
+    if len(given.parts) == 1 and given.parts[0] != "~":
+        return given
+    try:
+        return given.expanduser()
+    except RuntimeError:  # there is no such user, so it is a folder's name
+        return given

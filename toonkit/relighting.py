@@ -177,7 +177,7 @@ def _mapped(colors, low, high, illumination):  # type: ignore[no-untyped-def]
         return colors[0, 0], colors[0, 1], colors[0, 2]
     position = (min(max(illumination, low), high) - low) * (steps / (high - low))
     start = min(int(position), steps - 1)
-    share = position - start
+    share = min(position - start, 1.0)  # more, by rounding, would leave the range of the ramp
     return (
         (1.0 - share) * colors[start, 0] + share * colors[start + 1, 0],
         (1.0 - share) * colors[start, 1] + share * colors[start + 1, 1],

@@ -131,6 +131,19 @@ def test_what_is_no_color_map_is_refused(tmp_path, name, content, reason):
         read_color_map(tmp_path / name)
 
 
+@pytest.mark.parametrize("height", [1, 2, 3])
+def test_a_strip_may_have_as_few_rows_as_one(tmp_path, height):
+    ramp = np.linspace(0, 255, 64).astype(np.uint8)
+    Image.fromarray(np.broadcast_to(ramp[:, None], (height, 64, 3)).copy()).save(tmp_path / "ramp.png")
+    assert read_color_map(tmp_path / "ramp.png").colors[:, 1] == pytest.approx(ramp / 255)
+
+
+def test_nested_json_is_refused(tmp_path):
+    (tmp_path / "map.json").write_text("[" * 200_000)
+    with pytest.raises(ToonkitError, match="path must hold JSON"):
+        read_color_map(tmp_path / "map.json")
+
+
 def test_a_missing_color_map_is_refused(tmp_path):
-    with pytest.raises(ToonkitError, match="must be a readable file"):
+    with pytest.raises(ToonkitError, match="must be an existing file"):
         read_color_map(tmp_path / "nowhere.json")

@@ -82,3 +82,11 @@ def test_what_names_no_materials_is_refused(tmp_path, name, pixels, reason):
 def test_a_missing_picture_is_refused(tmp_path):
     with pytest.raises(ToonkitError, match="materials must be an existing file"):
         read_labels(tmp_path / "nowhere.png")
+
+
+def test_damaged_metadata_and_color_spaces_do_not_change_labels(tmp_path):
+    indexed = Image.fromarray(np.repeat(np.arange(2, dtype=np.uint8), 32).reshape(8, 8))
+    indexed.putpalette([255, 0, 0, 0, 255, 0] + [0] * 762)
+    indexed.save(tmp_path / "labels.png", exif=b"Exif\0\0no metadata", icc_profile=b"no profile")
+    labels = read_labels(tmp_path / "labels.png")
+    assert (labels == np.asarray(indexed)).all()

@@ -39,6 +39,13 @@ def test_between_two_samples_the_map_is_linear():
     assert gray_ramp([-0.5, 0.0, 0.25]).tolist() == [[0.25] * 3, [0.5] * 3, [0.625] * 3]
 
 
+def test_rounding_takes_no_color_out_of_the_range_of_the_ramp():
+    # At this domain's end the position among the samples comes out 3e-14 beyond the last one.
+    steep = ColorMap(np.linspace([0.0, 0.1, 0.0], 1.0, 219) ** 9, (0.09, 0.87))
+    colors = steep([0.87, 1.0])
+    assert colors.max() == 1
+
+
 @pytest.mark.parametrize(("value", "end"), [(-1, 0), (-0.51, 0), (0.91, -1), (1, -1)])
 def test_outside_its_domain_the_map_takes_its_ends(value, end):
     assert (three_tones(value) == three_tones.colors[end]).all()

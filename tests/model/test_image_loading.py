@@ -12,6 +12,7 @@ import tifffile
 from PIL import Image, ImageCms
 
 from toonkit import ToonkitError, load_image
+from toonkit._validation import ToonkitWarning
 from toonkit.model.decoding import MAX_PIXELS
 
 HEIGHT, WIDTH = 24, 32
@@ -84,7 +85,8 @@ def test_a_sixteen_bit_gray_png_is_read_in_full():
 def test_a_float_tiff_is_read_in_full():
     color = np.where(INSIDE[..., None], rgba() / 255 / 3, 0).astype(np.float32)
     color[..., 3] = INSIDE
-    image = load_image(_deep_tiff(color))
+    with pytest.warns(ToonkitWarning, match="read as sRGB"):
+        image = load_image(_deep_tiff(color))
     assert image.color[INSIDE] == pytest.approx(color[INSIDE][:, :3].astype(float), abs=1e-12)
 
 
@@ -213,13 +215,25 @@ def test_a_gray_profile_is_converted_to_srgb():
     assert image.color[INSIDE] == pytest.approx(np.full((INSIDE.sum(), 3), 188 / 255), abs=1.5 * EIGHT_BITS)
 
 
+def test_the_profile_of_srgb_changes_nothing():
+    image = load_image(encoded(rgba(), icc_profile=SRGB_PROFILE))
+    assert image.color[INSIDE] == pytest.approx(rgba()[INSIDE][:, :3] / 255, abs=1e-12)
+
+
 @pytest.mark.parametrize(
-    "profile",
-    [b"no profile at all", SRGB_PROFILE, imagecodecs.cms_profile("gray", gamma=1.0)],
-    ids=["broken", "sRGB", "of another color space"],
+    ("profile", "reason"),
+    [
+        pytest.param(b"no profile at all", "damaged and is ignored", id="broken"),
+        pytest.param(
+            imagecodecs.cms_profile("gray", gamma=1.0),
+            "GRAY profile does not fit",
+            id="of another color space",
+        ),
+    ],
 )
-def test_srgb_and_unusable_profiles_change_nothing(profile):
-    image = load_image(encoded(rgba(), icc_profile=profile))
+def test_a_profile_that_cannot_be_used_changes_nothing_and_a_warning_says_so(profile, reason):
+    with pytest.warns(ToonkitWarning, match=reason):
+        image = load_image(encoded(rgba(), icc_profile=profile))
     assert image.color[INSIDE] == pytest.approx(rgba()[INSIDE][:, :3] / 255, abs=1e-12)
 
 
@@ -333,6 +347,31 @@ def test_a_mask_may_be_a_picture_file(tmp_path, kind):
     path = tmp_path / "mask.png"
     picture.save(path)
     assert (load_image(rgba()[..., :3], mask=path).mask == INSIDE).all()
+
+
+@pytest.mark.parametrize("lowest", [250, 254])
+def test_a_picture_that_is_nearly_opaque_everywhere_is_opaque(lowest):
+    picture = np.full((HEIGHT, WIDTH, 4), 255, dtype=np.uint8)
+    picture[INSIDE, :3] = (200, 80, 60)
+    picture[5, 5, 3], picture[20, 1, 3] = lowest, 253
+    image = load_image(picture)  # finds the object on its white background
+    assert (image.mask == INSIDE).all()
+    assert (load_image(picture, mask=INSIDE).alpha == INSIDE).all()
+    assert (load_image(picture, mask=encoded(np.where(INSIDE, 255, 0).astype(np.uint8))).mask == INSIDE).all()
+
+
+def test_a_picture_with_one_clearly_transparent_pixel_is_not_opaque():
+    picture = np.full((HEIGHT, WIDTH, 4), 255, dtype=np.uint8)
+    picture[5, 5, 3] = 249
+    assert load_image(picture).mask.all()
+
+
+def test_colors_off_by_rounding_are_clipped():
+    color = np.where(INSIDE[..., None], 1 + 1e-13, 0.5)
+    color[5, 5] = -1e-13
+    image = load_image(color, mask=INSIDE)
+    assert image.color[INSIDE].max() == 1
+    assert image.color[INSIDE].min() == 0
 
 
 # What is refused

@@ -10,14 +10,15 @@ import io
 import os
 import re
 import sys
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from toonkit._validation import ToonkitError, refuse
+from toonkit._validation import ToonkitError, ToonkitWarning, expand_home, refuse
 from toonkit.cli.dashboard import add_dashboard_command
 from toonkit.cli.lights import parse_light
-from toonkit.cli.progress import StepBar
+from toonkit.cli.progress import StepBar, show_warning
 from toonkit.cli.study import add_study_commands
 
 if TYPE_CHECKING:
@@ -60,7 +61,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         )  # a terminal may not have every sign of the summary, such as the degree
     try:
         arguments = _parser().parse_args(_joined_lights(sys.argv[1:] if argv is None else argv))
-        status = int(arguments.run(arguments))
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", ToonkitWarning)
+            warnings.showwarning = show_warning
+            status = int(arguments.run(arguments))
         sys.stdout.flush()
         return status
     except BrokenPipeError:
@@ -289,7 +293,7 @@ def _relight(arguments: argparse.Namespace) -> int:
     from toonkit.export.picture import write_picture  # noqa: PLC0415
     from toonkit.relighting import relight  # noqa: PLC0415
 
-    source = Path(arguments.analysis).expanduser()
+    source = expand_home(arguments.analysis)
     analysis = load_analysis(source / ARCHIVE_NAME if source.is_dir() else source)
     options: dict[str, Any] = {
         "keep_detail": not arguments.model_only,

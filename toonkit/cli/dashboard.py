@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from toonkit._validation import refuse
+from toonkit._validation import expand_home, refuse
 from toonkit.cli.study import refuse_without_extra
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def _relight_app(folder: str | None) -> Callable[[], pmui.Page]:
 
 
 def _study_app(folder: str | None) -> Callable[[], pmui.Page]:
-    study = PUBLISHED if folder is None else Path(folder).expanduser()
+    study = PUBLISHED if folder is None else expand_home(folder)
     if not study.exists():
         found = f"{study}, which does not exist" if folder else "none"
         raise refuse("dashboard study", "needs the FOLDER of a study (toonkit study run -o FOLDER)", found)

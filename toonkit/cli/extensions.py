@@ -5,9 +5,8 @@ from __future__ import annotations
 import importlib.util
 import sys
 from contextlib import suppress
-from pathlib import Path
 
-from toonkit._validation import refuse
+from toonkit._validation import expand_home, refuse
 from toonkit.methods import METHODS
 
 
@@ -30,7 +29,7 @@ def load_extension(file: str) -> list[str]:
     ToonkitError
         If there is no such file, or it ends in an error.
     """
-    path = Path(file).expanduser()
+    path = expand_home(file)
     if not path.is_file():
         raise refuse("--with", "must be a Python file", file)
     name = f"toonkit_extension_{path.stem}"

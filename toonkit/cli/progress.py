@@ -13,6 +13,13 @@ _BAR = "{desc:<24.24}|{bar}| {percentage:3.0f}% {elapsed}"
 _LOG_SECONDS = 30.0  # between two lines of a bar that goes into a file
 
 
+def show_warning(message: Warning | str, *_: object, **__: object) -> None:
+    """Print a warning as one line on stderr, above a progress bar if there is one."""
+    from tqdm import tqdm  # noqa: PLC0415
+
+    tqdm.write(f"toonkit: warning: {' '.join(str(message).split())}", file=sys.stderr)
+
+
 class StepBar:
     """Callback that moves a bar on stderr, if that is a terminal, and keeps the time of each step."""
 

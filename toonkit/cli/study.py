@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from toonkit._validation import ToonkitError, refuse
+from toonkit._validation import ToonkitError, expand_home, refuse
 from toonkit.cli.extensions import load_extension
 from toonkit.cli.lights import parse_angles
 from toonkit.cli.progress import StepBar, TrialBar
@@ -218,7 +218,7 @@ def _report(arguments: argparse.Namespace) -> int:
     from toonkit.study.table import load_provenance, load_trials  # noqa: PLC0415
     from toonkit.viz.figures.study import write_figures  # noqa: PLC0415
 
-    source = Path(arguments.study).expanduser()
+    source = expand_home(arguments.study)
     trials, provenance = load_trials(source), load_provenance(source)
     home = source if source.is_dir() else source.parent
     folder = make_folder(arguments.out or home / REPORT_FOLDER)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import zipfile
 import zlib
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from toonkit._validation import BoolArray, FloatArray, ToonkitError, refuse
+from toonkit._validation import BoolArray, FloatArray, ToonkitError, expand_home, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.light_fit import LightEstimate
 from toonkit.estimation.preparation import PreparedDrawing, prepare
@@ -91,7 +90,7 @@ def load_analysis(path: PathLike) -> ToonAnalysis:
     ToonkitError
         If the file is missing, damaged, no archive of an analysis, or of another version.
     """
-    file = Path(path).expanduser()
+    file = expand_home(path)
     if not file.is_file():
         raise refuse("path", "must be an archive of an analysis", f"{path}, which is not a file")
     if not zipfile.is_zipfile(file):  # else numpy takes it for a pickle, and advises to load that unsafely

@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
-from toonkit._validation import refuse
+from toonkit._validation import expand_home, refuse
 
 PathLike = str | os.PathLike[str]
 
@@ -46,7 +46,7 @@ def atomic_write(path: PathLike) -> Iterator[BinaryIO]:
     ...     os.listdir(folder)
     ['note.txt']
     """
-    target = Path(os.path.realpath(Path(path).expanduser()))
+    target = Path(os.path.realpath(expand_home(path)))
     if target.is_dir():
         raise refuse("path", "must name a file", f"the folder {path}")
     if not target.parent.is_dir():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import numpy as np
 
@@ -12,10 +11,14 @@ from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.export.picture import encode_picture
 from toonkit.model.color_map import ColorMap
 from toonkit.model.decoding import read_pixels
+from toonkit.model.file_bytes import read_bytes
 from toonkit.model.materials import Materials
 
 STRIP_SIZE = (32, 512)
 """Height and width of a strip in pixels."""
+
+MOST_JSON = 1 << 26
+"""Bytes that a color map's JSON file may have."""
 
 FORMAT_VERSION = 1
 
@@ -87,8 +90,8 @@ def read_color_map(path: PathLike) -> ColorMap:
     Parameters
     ----------
     path : path
-        A .json file of `write_color_map`; or a .png strip, painted by anyone: its middle row is read, from -1
-        at the left to +1 at the right.
+        A .json file of `write_color_map`; or a .png strip of one or more rows, painted by anyone: its middle row is
+        read, from -1 at the left to +1 at the right.
 
     Returns
     -------
@@ -101,13 +104,12 @@ def read_color_map(path: PathLike) -> ColorMap:
         If the file is missing, of another kind, or its colors do not go from dark to bright.
     """
     if suffix_of(path, (".png", ".json")) == ".png":
-        strip = read_pixels("path", path).color
+        strip = read_pixels("path", path, min_side=1).color
         return ColorMap(strip[len(strip) // 2])
+    content, _ = read_bytes("path", path, limit=MOST_JSON, kind="a color map")
     try:
-        found = json.loads(Path(path).expanduser().read_text(encoding="utf-8"))
-    except OSError as error:
-        raise refuse("path", "must be a readable file", f"{path} ({error.strerror})") from error
-    except ValueError as error:
+        found = json.loads(content)
+    except (RecursionError, ValueError) as error:
         raise refuse("path", "must hold JSON", f"{path} ({error})") from error
     if not isinstance(found, dict) or found.get("format") != "toonkit color map":
         raise refuse("path", "must be a color map written by toonkit", f"{path}")

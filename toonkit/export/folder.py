@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from toonkit._validation import refuse
+from toonkit._validation import expand_home, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.export.archive import save_analysis
 from toonkit.export.atomic import PathLike
@@ -54,7 +54,7 @@ def make_folder(path: PathLike) -> Path:
     """
     if not str(path).strip():
         raise refuse("folder", "must have a name", "an empty one")
-    folder = Path(path).expanduser()
+    folder = expand_home(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

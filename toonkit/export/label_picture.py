@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageOps
 
 from toonkit._validation import refuse
 from toonkit.export.atomic import PathLike, suffix_of
-from toonkit.model.decoding import read_pixels
+from toonkit.model.decoding import read_palette_indices, read_pixels
 from toonkit.model.loading import HALF_COVERED
 
 MOST_LABELS = 256
@@ -38,9 +35,8 @@ def read_labels(path: PathLike) -> NDArray[np.intp]:
         If the suffix is another, the file is no such picture, transparent everywhere, or of more than `MOST_LABELS` colors.
     """
     suffix_of(path, (".png", ".webp"), "materials")
-    pixels = read_pixels("materials", path)
-    with Image.open(Path(path).expanduser()) as picture:
-        index = np.asarray(ImageOps.exif_transpose(picture)) if picture.mode == "P" else None
+    pixels = read_pixels("materials", path, colors=False)
+    index: NDArray[np.integer] | None = read_palette_indices("materials", path)
     if index is None:
         red, green, blue = np.moveaxis(np.round(pixels.color * 65535).astype(np.int64), -1, 0)
         index = (red << 32) | (green << 16) | blue

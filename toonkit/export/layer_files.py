@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 from PIL import Image
 
-from toonkit._validation import of_type, refuse
+from toonkit._validation import expand_home, of_type, refuse
 from toonkit.export.atomic import PathLike, atomic_write
 from toonkit.export.folder import make_folder
 from toonkit.export.layers import Layers, Pixels
@@ -60,7 +60,7 @@ def write_layers(layers: Layers, path: PathLike) -> list[Path]:
     light inside of Color: GIMP blends the layers of a group with nothing below the group.
     """
     of_type("layers", layers, Layers)
-    target = Path(path).expanduser()
+    target = expand_home(path)
     suffix = target.suffix.lower()
     if suffix == "":
         return _write_folder(layers, make_folder(path))

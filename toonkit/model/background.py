@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from toonkit._validation import MIN_OBJECT_PIXELS, BoolArray, FloatArray, refuse
+from toonkit.model.checkerboard import has_checkerboard
 from toonkit.model.image import ToonImage
 
 TOLERANCE = 8 / 255
@@ -81,12 +82,19 @@ def find_background(color: FloatArray) -> Background:
     Raises
     ------
     ToonkitError
-        If no color covers `MIN_FRAME_SHARE` of the frame, or nothing else is in the picture.
+        If no color covers `MIN_FRAME_SHARE` of the frame, nothing else is in the picture, or a checkerboard of
+        transparency is painted around the object.
     """
     frame = np.concatenate([color[0], color[-1], color[1:-1, 0], color[1:-1, -1]])
     # A color that most of the frame shares holds the median of each channel.
     background = np.median(frame, axis=0)
     alike = np.abs(frame - background).max(axis=1) <= TOLERANCE
+    if has_checkerboard(color):
+        rule = (
+            "must be transparent where a program shows a checkerboard: save the drawing itself, not a screenshot or a "
+            "preview of it, or pass mask=..."
+        )
+        raise refuse("source", rule, "an opaque picture with a checkerboard painted around the object")
     if alike.mean() < MIN_FRAME_SHARE:
         rule = (
             "must show where the object is: pass mask=..., or save the drawing with a transparent background "

@@ -144,7 +144,8 @@ class ColorMap:
         position = (np.clip(value, lo, hi) - lo) * ((count - 1) / (hi - lo))
         known = np.nan_to_num(position)
         start = np.minimum(known.astype(np.intp), count - 2)
-        weight = (position - start)[..., None]
+        # More than one, by rounding, would leave the range of the ramp.
+        weight = np.minimum(position - start, 1.0)[..., None]
         color: FloatArray = (1 - weight) * self.colors[start] + weight * self.colors[start + 1]
         return color
 

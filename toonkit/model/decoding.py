@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import io
-import logging
 import os
-import struct
 import warnings
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, BinaryIO, NoReturn
 
 import numpy as np
@@ -16,6 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageCms, UnidentifiedImageError
 
 from toonkit._validation import FloatArray, ToonkitError, refuse
+from toonkit.model import png, tiff
+from toonkit.model.color_space import ColorSpace, to_srgb
+from toonkit.model.file_bytes import read_bytes
+from toonkit.model.foreign_formats import name_format
 
 MAX_PIXELS = 8192 * 8192
 """Largest picture accepted: its normals, color and solver fields still fit into a few GiB."""
@@ -23,14 +24,15 @@ MAX_PIXELS = 8192 * 8192
 PictureSource = str | os.PathLike[str] | BinaryIO | ArrayLike
 """A path, a file opened in binary mode, or an array."""
 
-_FORMATS = ("PNG", "WEBP", "JPEG", "TIFF", "GIF", "BMP")
-_FORMAT_NAMES = "PNG, WebP, JPEG, TIFF, GIF or BMP"
-_TIFF_STARTS = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
-_ORIENTATION = 274  # EXIF and TIFF tag
-_TIFF_WHITE_IS_ZERO, _TIFF_BLACK_IS_ZERO, _TIFF_RGB = 0, 1, 2
-_TIFF_PREMULTIPLIED = 1
+MAX_BYTES = 16 * MAX_PIXELS + 2**26
+"""Largest picture file accepted: four floats for each pixel, and 64 MiB of other content."""
 
-logging.getLogger("tifffile").addHandler(logging.NullHandler())  # or it prints what is odd about a file
+MIN_SIDE = 3
+"""Shortest side of a drawing: anything smaller has no interior."""
+
+_FORMATS = ("PNG", "WEBP", "JPEG", "GIF", "BMP")  # besides TIFF
+_FORMAT_NAMES = "PNG, WebP, JPEG, TIFF, GIF or BMP"
+_ORIENTATION = 274  # EXIF tag
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +52,18 @@ class Pixels:
     alpha: FloatArray | None
 
 
-def read_pixels(argument: str, source: PictureSource) -> Pixels:
+@dataclass(frozen=True, eq=False)
+class _Decoded:
+    """Samples (H, W, 1..4), alpha last in two and four; what they mean, and the EXIF orientation."""
+
+    samples: NDArray[Any]
+    space: ColorSpace
+    orientation: object
+
+
+def read_pixels(
+    argument: str, source: PictureSource, *, colors: bool = True, min_side: int = MIN_SIDE
+) -> Pixels:
     """
     Decode a picture.
 
@@ -59,9 +72,14 @@ def read_pixels(argument: str, source: PictureSource) -> Pixels:
     argument : str
         Name of the argument, for messages.
     source : path, binary file object or array_like
-        PNG, WebP, JPEG, TIFF, GIF or BMP (the first frame), turned upright by its EXIF orientation and
-        brought to sRGB by its ICC profile; or an array of shape (H, W), (H, W, 1) gray, (H, W, 2) gray and
-        alpha, (H, W, 3) or (H, W, 4): bool, uint8, uint16 or float in [0, 1].
+        PNG, WebP, JPEG, TIFF, GIF or BMP (the first frame), turned upright by its EXIF orientation and brought to sRGB
+        from the color space it declares; or an array of shape (H, W), (H, W, 1) gray, (H, W, 2) gray and alpha,
+        (H, W, 3) or (H, W, 4): bool, uint8, uint16 or float in [0, 1].
+    colors : bool, optional
+        False for a picture whose samples are numbers, such as a mask, labels or normals: whatever color space the file
+        declares is left alone.
+    min_side : int, optional
+        Pixels that its shorter side must have.
 
     Returns
     -------
@@ -72,16 +90,32 @@ def read_pixels(argument: str, source: PictureSource) -> Pixels:
     ------
     ToonkitError
         If there is no such file, or it is no picture, not complete or larger than `MAX_PIXELS`.
+
+    Warns
+    -----
+    ToonkitWarning
+        If the file declares a color space that cannot be applied, or leaves open what its floats mean.
     """
-    if isinstance(source, str | os.PathLike):
-        path = Path(source).expanduser()
-        return _from_bytes(argument, _read_path(argument, path), str(path))
-    if hasattr(source, "read"):
-        data = source.read()
-        if not isinstance(data, bytes):
-            raise refuse(argument, 'must be opened in binary mode ("rb")', f"a file of {type(data).__name__}")
-        return _from_bytes(argument, data, str(getattr(source, "name", "a file object")))
-    return _from_array(argument, source)
+    if not (isinstance(source, str | os.PathLike) or hasattr(source, "read")):
+        return _from_array(argument, source, min_side)
+    data, name = read_bytes(argument, source, limit=MAX_BYTES, kind="a picture file")
+    decoded = _from_bytes(argument, data, name, min_side)
+    samples = to_srgb(argument, decoded.samples, decoded.space) if colors else decoded.samples
+    return _split(unit_range(argument, _upright(samples, decoded.orientation)))
+
+
+def read_palette_indices(argument: str, path: str | os.PathLike[str]) -> NDArray[np.uint8] | None:
+    """Return the entry of the palette that each pixel of a file has, upright, shape (H, W); None if it has no palette.
+
+    The file is one that `read_pixels` reads.
+    """
+    data, _ = read_bytes(argument, path, limit=MAX_BYTES, kind="a picture file")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        with Image.open(io.BytesIO(data), formats=_FORMATS) as picture:
+            if picture.mode != "P":
+                return None
+            return _upright(np.asarray(picture), _orientation(picture))
 
 
 def unit_range(argument: str, array: NDArray[Any]) -> FloatArray:
@@ -94,18 +128,7 @@ def unit_range(argument: str, array: NDArray[Any]) -> FloatArray:
     raise refuse(argument, "must be bool, uint8, uint16 or float in [0, 1]", f"dtype {array.dtype}")
 
 
-def _read_path(argument: str, path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except IsADirectoryError:
-        raise refuse(argument, "must be a picture file", f"the folder {path}") from None
-    except FileNotFoundError:
-        raise refuse(argument, "must be an existing file", f"{path}, which does not exist") from None
-    except (OSError, ValueError) as error:  # ValueError: a path with a null character
-        raise refuse(argument, "must be a readable file", f"{path} ({error})") from error
-
-
-def _from_array(argument: str, source: ArrayLike) -> Pixels:
+def _from_array(argument: str, source: ArrayLike, min_side: int) -> Pixels:
     try:
         array = np.asarray(source)
     except ValueError as error:
@@ -117,7 +140,7 @@ def _from_array(argument: str, source: ArrayLike) -> Pixels:
         raise refuse(
             argument, rule, f"{type(source).__name__} of shape {np.shape(array)}, dtype {array.dtype}"
         )
-    _check_size(argument, array.shape[1], array.shape[0])
+    _check_size(argument, array.shape[1], array.shape[0], min_side)
     return _split(unit_range(argument, array))
 
 
@@ -130,11 +153,11 @@ def _split(samples: FloatArray) -> Pixels:
     return Pixels(np.ascontiguousarray(color), samples[..., -1].copy() if has_alpha else None)
 
 
-def _check_size(argument: str, width: int, height: int) -> None:
+def _check_size(argument: str, width: int, height: int, min_side: int) -> None:
     if width * height > MAX_PIXELS:
         _refuse_large(argument, f"{width} x {height} pixels")
-    if min(width, height) < 3:
-        raise refuse(argument, "must be at least 3 x 3 pixels", f"{width} x {height}")
+    if min(width, height) < min_side:
+        raise refuse(argument, f"must be at least {min_side} x {min_side} pixels", f"{width} x {height}")
 
 
 def _refuse_large(argument: str, shown: str) -> NoReturn:
@@ -145,99 +168,63 @@ def _refuse_large(argument: str, shown: str) -> NoReturn:
     raise refuse(argument, rule, shown)
 
 
-def _from_bytes(argument: str, data: bytes, name: str) -> Pixels:
-    if not data:
-        raise refuse(argument, "must be a picture file", f"{name}, which is empty")
+def _from_bytes(argument: str, data: bytes, name: str, min_side: int) -> _Decoded:
     with warnings.catch_warnings():
-        warnings.simplefilter(
-            "ignore"
-        )  # Pillow warns of odd metadata and of large pictures; sizes are checked here
+        # Pillow warns of odd metadata and of large pictures; sizes are checked here.
+        warnings.simplefilter("ignore")
         try:
-            samples, profile, orientation = _decode(argument, data)
+            if data.startswith(tiff.STARTS):
+                return _decode_tiff(argument, data, min_side)
+            return _decode(argument, data, min_side)
         except ToonkitError:
             raise
         except UnidentifiedImageError:
-            raise refuse(argument, f"must be a {_FORMAT_NAMES} picture", _describe(name, data)) from None
+            shown = f"{name}, {name_format(data) or 'which is none of these'}"
+            raise refuse(argument, f"must be a {_FORMAT_NAMES} picture", shown) from None
         except Image.DecompressionBombError:
             _refuse_large(argument, f"{name}, far larger")
         except MemoryError:
             raise
         except Exception as error:  # decoders raise nearly every type there is for a damaged file
             raise refuse(argument, "must be a complete, undamaged picture", f"{name} ({error})") from error
-    samples = _upright(_to_srgb(samples, profile), orientation)
-    return _split(unit_range(argument, samples))
 
 
-def _describe(name: str, data: bytes) -> str:
-    if b"<svg" in data[:1000]:
-        return f"{name}, an SVG drawing (export it as PNG)"
-    return f"{name}, which is none of these"
-
-
-def _decode(argument: str, data: bytes) -> tuple[NDArray[Any], bytes | None, int]:
-    """Decode to samples (H, W, 1..4), the ICC profile they are in (None: sRGB) and the EXIF orientation."""
-    if data.startswith(_TIFF_STARTS):
-        deep = _decode_deep_tiff(argument, data)
-        if deep is not None:
-            return deep
-    png_bits = 0
-    if data.startswith(b"\x89PNG\r\n\x1a\n") and len(data) >= 25:
-        # Read here because Pillow checks the size with an exception that does not tell it.
-        width, height, png_bits = struct.unpack(">IIB", data[16:25])
-        _check_size(argument, width, height)
+def _decode(argument: str, data: bytes, min_side: int) -> _Decoded:
+    """Decode all but TIFF."""
+    header = png.read_header(data) if data.startswith(png.SIGNATURE) else None
+    if header is not None:
+        # Before Pillow, which checks the size with an exception that does not tell it.
+        _check_size(argument, header.width, header.height, min_side)
     with Image.open(io.BytesIO(data), formats=_FORMATS) as picture:
-        _check_size(argument, *picture.size)
+        _check_size(argument, *picture.size, min_side)
         picture.load()
         profile = picture.info.get("icc_profile")
-        orientation = picture.getexif().get(_ORIENTATION, 1)
-        if png_bits == 16:
-            return _decode_deep_png(data), profile, orientation
+        space = ColorSpace(profile) if header is None else png.declared_space(data, profile)
+        orientation = _orientation(picture)
+        if header is not None and header.bits == 16:
+            return _Decoded(png.decode_deep_png(data, header), space, orientation)
         if picture.mode == "CMYK":
-            return np.asarray(_cmyk_to_srgb(picture, profile)), None, orientation
-        return _samples(picture), profile, orientation
+            return _Decoded(*_cmyk_to_srgb(picture, profile), orientation)
+        return _Decoded(_samples(picture), space, orientation)
 
 
-def _decode_deep_png(data: bytes) -> NDArray[Any]:
-    """Sixteen bits a channel, which Pillow would cut to eight."""
-    import imagecodecs  # noqa: PLC0415  # its compiled codecs load slowly, and few pictures need them
+def _decode_tiff(argument: str, data: bytes, min_side: int) -> _Decoded:
+    def check_size(width: int, height: int) -> None:
+        _check_size(argument, width, height, min_side)
 
-    samples: NDArray[Any] = imagecodecs.png_decode(data)
-    return samples[..., None] if samples.ndim == 2 else samples
+    found = tiff.decode_tiff(argument, data, check_size)
+    if not found.inks:
+        return _Decoded(found.samples, found.space, found.orientation)
+    inks = Image.fromarray(np.ascontiguousarray(found.samples[..., :4]), "CMYK")
+    color, space = _cmyk_to_srgb(inks, found.space.profile)
+    return _Decoded(np.concatenate([color, found.samples[..., 4:]], axis=-1), space, found.orientation)
 
 
-def _decode_deep_tiff(argument: str, data: bytes) -> tuple[NDArray[Any], bytes | None, int] | None:
-    """Decode a TIFF of more than eight bits a channel; None for any other, which Pillow reads."""
-    import tifffile  # noqa: PLC0415  # slow to load, seldom needed
-
-    with tifffile.TiffFile(io.BytesIO(data)) as file:
-        page: Any = file.pages[0]
-        _check_size(argument, page.imagewidth, page.imagelength)
-        if page.bitspersample <= 8:
-            return None
-        kind = int(page.photometric)
-        if kind not in (_TIFF_WHITE_IS_ZERO, _TIFF_BLACK_IS_ZERO, _TIFF_RGB):
-            raise refuse(
-                argument, "must be gray or RGB if it is a TIFF of 16 bits or more", page.photometric.name
-            )
-        samples = page.asarray()
-        if page.axes.startswith("S"):  # one plane a channel
-            samples = np.moveaxis(samples, 0, -1)
-        samples = samples.reshape(page.imagelength, page.imagewidth, -1)
-        if samples.dtype.kind == "f":
-            samples = np.clip(samples, 0.0, 1.0)  # highlights brighter than white have no sRGB color
-        else:
-            samples = samples / (2.0**page.bitspersample - 1)
-        colors = 3 if kind == _TIFF_RGB else 1
-        if samples.shape[-1] < colors:
-            raise ValueError("channels are missing")
-        color, alpha = samples[..., :colors], samples[..., colors : colors + 1]
-        if kind == _TIFF_WHITE_IS_ZERO:
-            color = 1 - color
-        if alpha.size and page.extrasamples and int(page.extrasamples[0]) == _TIFF_PREMULTIPLIED:
-            color = np.clip(np.divide(color, alpha, out=np.zeros_like(color), where=alpha > 0), 0.0, 1.0)
-        samples = np.concatenate([color, alpha], axis=-1)
-        orientation = page.tags.get(_ORIENTATION)
-        return samples, page.iccprofile, int(orientation.value) if orientation is not None else 1
+def _orientation(picture: Image.Image) -> object:
+    try:
+        return picture.getexif().get(_ORIENTATION)
+    except Exception:  # damaged metadata raises nearly every type there is, and harms no pixel
+        return None
 
 
 def _samples(picture: Image.Image) -> NDArray[Any]:
@@ -252,56 +239,23 @@ def _samples(picture: Image.Image) -> NDArray[Any]:
     return samples[..., None] if samples.ndim == 2 else samples
 
 
-def _cmyk_to_srgb(picture: Image.Image, profile: bytes | None) -> Image.Image:
-    if profile:
-        try:
-            srgb = ImageCms.createProfile("sRGB")
-            converted = ImageCms.profileToProfile(picture, io.BytesIO(profile), srgb, outputMode="RGB")
-        except (ImageCms.PyCMSError, OSError):  # a damaged profile
-            converted = None
-        if converted is not None:
-            return converted
-    return picture.convert("RGB")
-
-
-def _to_srgb(samples: NDArray[Any], profile: bytes | None) -> NDArray[Any]:
-    """Convert colors from an embedded ICC profile to sRGB; one that cannot be used is taken for sRGB."""
-    if not profile or _is_srgb(profile):
-        return samples
-    colors = 1 if samples.shape[-1] < 3 else 3
-    return np.concatenate([_transform(samples[..., :colors], profile), samples[..., colors:]], axis=-1)
-
-
-def _is_srgb(profile: bytes) -> bool:
+def _cmyk_to_srgb(picture: Image.Image, profile: bytes | None) -> tuple[NDArray[np.uint8], ColorSpace]:
+    """Return inks as sRGB samples, and what is left to say about their profile."""
+    if not profile:
+        return np.asarray(picture.convert("RGB")), ColorSpace()
     try:
-        described = ImageCms.getProfileDescription(ImageCms.ImageCmsProfile(io.BytesIO(profile)))
+        srgb = ImageCms.createProfile("sRGB")
+        converted = ImageCms.profileToProfile(picture, io.BytesIO(profile), srgb, outputMode="RGB")
     except (ImageCms.PyCMSError, OSError):
-        return True
-    return described.startswith("sRGB")
+        converted = None
+    if converted is None:
+        remark = "its CMYK profile is damaged and is ignored"
+        return np.asarray(picture.convert("RGB")), ColorSpace(remark=remark)
+    return np.asarray(converted), ColorSpace()
 
 
-def _transform(color: NDArray[Any], profile: bytes) -> NDArray[Any]:
-    """Convert (H, W, 1 or 3) samples to sRGB (H, W, 3) without leaving their precision."""
-    import imagecodecs  # noqa: PLC0415  # as above; it converts 16 bits, Pillow does not
-
-    floats = color.dtype.kind == "f"
-    given = np.round(color * 65535).astype(np.uint16) if floats else np.ascontiguousarray(color)
-    try:
-        converted: NDArray[Any] = imagecodecs.cms_transform(
-            given[..., 0] if color.shape[-1] == 1 else given,
-            profile,
-            ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes(),
-            colorspace="gray" if color.shape[-1] == 1 else "rgb",
-            outcolorspace="rgb",
-            outdtype=given.dtype,
-        )
-    except (RuntimeError, ValueError):  # a profile for another color space than the picture's
-        return color
-    return converted / np.float64(65535) if floats else converted
-
-
-def _upright(samples: NDArray[Any], orientation: int) -> NDArray[Any]:
-    """Turn a picture the way its EXIF orientation (1 to 8) says it is to be seen."""
+def _upright(samples: NDArray[Any], orientation: object) -> NDArray[Any]:
+    """Turn a picture the way its EXIF orientation (1 to 8) says it is to be seen; any other value says nothing."""
     if orientation in (5, 6, 7, 8):
         samples = samples.swapaxes(0, 1)
     if orientation in (3, 4, 7, 8):

@@ -15,17 +15,25 @@ HALF_COVERED = 0.5
 """Opacity at which a pixel belongs to the object: the outline runs where it crosses one half."""
 
 
+NEARLY_OPAQUE = 250 / 255
+"""A picture of which no pixel is less opaque than this is opaque: no object ends in it."""
+
+_ROUNDING = 1e-9
+
+
 def load_image(source: PictureSource, *, mask: PictureSource | None = None) -> ToonImage:
     """
     Read a drawing and find its object.
 
     The object is where the picture is opaque. If it is opaque everywhere, `mask` says where the object is;
-    without one, a plain background is found and cut away, anti-aliased outline included.
+    without one, a plain background is found and cut away, anti-aliased outline included. A picture that is nearly
+    opaque everywhere (alpha of at least 250 of 255) counts as opaque.
 
     Parameters
     ----------
     source : path, binary file object or array_like
-        PNG, WebP, JPEG, TIFF, GIF or BMP of 8 or 16 bits a channel; or an array of shape (H, W), (H, W, 2),
+        PNG, WebP, JPEG, TIFF, GIF or BMP of 8 or 16 bits a channel, brought to sRGB from the color space that it
+        declares; or an array of shape (H, W), (H, W, 2),
         (H, W, 3) or (H, W, 4), bool, uint8, uint16, or float in [0, 1]. Two and four channels end in alpha.
     mask : path, binary file object or array_like, optional
         Where the object is, shape (H, W): bool, uint8, uint16, or float in [0, 1]. A soft mask becomes the
@@ -44,6 +52,11 @@ def load_image(source: PictureSource, *, mask: PictureSource | None = None) -> T
         object; if colors are NaN or outside [0, 1]; or if there is neither transparency, nor a mask, nor a
         plain background.
 
+    Warns
+    -----
+    ToonkitWarning
+        If the file declares a color space that cannot be applied, or leaves open what its floats mean.
+
     Examples
     --------
     >>> picture = np.ones((8, 8, 4))
@@ -52,6 +65,7 @@ def load_image(source: PictureSource, *, mask: PictureSource | None = None) -> T
     32
     """
     pixels = read_pixels("source", source)
+    _remove_rounding(pixels.color)
     alpha = _opacity(pixels, mask)
     if alpha is None:
         _check_colors(pixels.color, np.ones(pixels.color.shape[:2], dtype=np.bool_))
@@ -64,20 +78,23 @@ def load_image(source: PictureSource, *, mask: PictureSource | None = None) -> T
 
 def _opacity(pixels: Pixels, mask: PictureSource | None) -> FloatArray | None:
     """Combine alpha and mask; None if neither says where the object is."""
-    if pixels.alpha is not None:
-        _check_unit("source", "alpha", pixels.alpha)
+    alpha = pixels.alpha
+    if alpha is not None:
+        _check_unit("source", "alpha", alpha)
+        if (alpha >= NEARLY_OPAQUE).all():
+            alpha = None
     if mask is None:
-        return None if pixels.alpha is None or (pixels.alpha == 1).all() else pixels.alpha
-    coverage = _coverage(mask)
+        return alpha
+    coverage = read_coverage(mask)
     same_shape("mask", coverage.shape, pixels.color.shape[:2], "the picture")
-    return coverage if pixels.alpha is None else coverage * pixels.alpha
+    return coverage if alpha is None else coverage * alpha
 
 
-def _coverage(mask: PictureSource) -> FloatArray:
+def read_coverage(mask: PictureSource) -> FloatArray:
     """How much of each pixel a mask covers, shape (H, W)."""
     if isinstance(mask, str | os.PathLike) or hasattr(mask, "read"):
-        pixels = read_pixels("mask", mask)
-        if pixels.alpha is not None and (pixels.alpha < 1).any():
+        pixels = read_pixels("mask", mask, colors=False)
+        if pixels.alpha is not None and (pixels.alpha < NEARLY_OPAQUE).any():
             return pixels.alpha
         gray: FloatArray = pixels.color.mean(axis=-1)
         return gray
@@ -90,6 +107,12 @@ def _coverage(mask: PictureSource) -> FloatArray:
     coverage = array.astype(np.float64) if only_zero_and_one else unit_range("mask", array)
     _check_unit("mask", "values", coverage)
     return coverage
+
+
+def _remove_rounding(color: FloatArray) -> None:
+    """Clip what leaves [0, 1] by no more than arithmetic rounds."""
+    near = (color >= -_ROUNDING) & (color <= 1 + _ROUNDING)
+    np.clip(color, 0.0, 1.0, out=color, where=near)
 
 
 def _check_unit(argument: str, what: str, values: FloatArray) -> None:

@@ -8,8 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from toonkit._validation import BoolArray, FloatArray, as_array, as_mask, refuse, same_shape
+from toonkit._validation import BoolArray, FloatArray, as_array, as_mask, refuse, same_shape, warn
 from toonkit.model.description import describe_object, preview_png
+from toonkit.model.normal_map_check import OFF_UNIT, NormalMapCheck, check_normal_map
 
 UNIT_TOLERANCE = 1e-3
 """A vector this close to unit length is a rounded unit vector and is renormalized; others are refused."""
@@ -173,12 +174,18 @@ def decode_normal_map(colors: ArrayLike, mask: ArrayLike, *, green: GreenAxis = 
     Returns
     -------
     NormalField
-        Renormalized normals.
+        Renormalized normals. `toonkit.model.normal_map_check.check_normal_map` says how far they were off.
 
     Raises
     ------
     ToonkitError
-        If the colors are not 8 or 16 bit integers or a decoded vector is far from unit length.
+        If the colors are not 8 or 16 bit integers or cannot be a normal map, because most vectors are far from unit length.
+
+    Warns
+    -----
+    ToonkitWarning
+        If some vectors are far from unit length, as blending and resizing leave them, or if the normals at the rim point
+        into the object, which tells a wrong `green`.
     """
     array = np.asarray(colors)
     if array.dtype not in (np.uint8, np.uint16):
@@ -188,14 +195,33 @@ def decode_normal_map(colors: ArrayLike, mask: ArrayLike, *, green: GreenAxis = 
     vectors = as_array("colors", array, (None, None, 3)) * (2 / (2**bits - 1)) - 1
     if green == "directx":
         vectors[..., 1] *= -1
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    on_object = np.asarray(mask, dtype=np.bool_)
-    if on_object.shape == length.shape[:2] and (np.abs(length[on_object] - 1) > 0.1).any():
-        raise refuse(
-            "colors", "must encode unit vectors with z from -1..1", "vectors more than 10 % off unit length"
-        )
+    on_object = as_mask("mask", mask)
+    same_shape("mask", on_object.shape, vectors.shape[:2], "colors")
+    check = check_normal_map(vectors, on_object)
+    if check.problem:
+        raise refuse("colors", "must encode unit vectors with z from -1..1", check.problem)
+    _warn_of(check, green)
     vectors[..., 2] = np.maximum(vectors[..., 2], 0.0)
     return NormalField(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True), on_object)
+
+
+def _warn_of(check: NormalMapCheck, green: GreenAxis) -> None:
+    if check.off_unit:
+        share = check.off_unit / check.pixels
+        warn(
+            "colors",
+            f"{check.off_unit} of {check.pixels} vectors ({share:.2%}) are more than {OFF_UNIT:.0%} off unit length, "
+            f"the worst {check.worst:.2f} long; they are renormalized",
+        )
+    across, up = check.mirrored
+    if up:
+        other = "directx" if green == "opengl" else "opengl"
+        warn(
+            "green",
+            f'read as "{green}", normals at the silhouette point into the object; try green="{other}"',
+        )
+    if across:
+        warn("colors", "the normals at the silhouette point inward from left and right: red is mirrored")
 
 
 def _check_encoding(bits: int, green: str) -> None:

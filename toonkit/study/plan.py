@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
 
-from toonkit._validation import refuse
+from toonkit._validation import expand_home, refuse
 from toonkit.export.atomic import PathLike
 from toonkit.model.color_map import ColorMap
 from toonkit.study.color_maps import load_color_maps
@@ -145,7 +145,7 @@ def plan_study(
         "light_tracks", light_tracks, {track: track for track in LIGHT_TRACKS}
     )
     own_files = {
-        name: Path(file).expanduser() for name, file in (method_files or {}).items() if name in chosen_methods
+        name: expand_home(file) for name, file in (method_files or {}).items() if name in chosen_methods
     }
     missing = [file for file in own_files.values() if not file.is_file()]
     if missing:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from toonkit._validation import ToonkitError, refuse
+from toonkit._validation import ToonkitError, expand_home, refuse
 from toonkit.study.registry import Shape, View
 from toonkit.study.rendering import RenderedShape, render_mesh, render_shape
 
@@ -74,7 +74,7 @@ def load_mesh(source: str | Path, view: View | None = None) -> MeshShape:
         name = text.removeprefix(EXAMPLE_PREFIX)
         mesh = _example(name)
     else:
-        path = Path(source).expanduser()
+        path = expand_home(source)
         name, mesh = path.stem, _from_file(path)
     if len(mesh.faces) == 0:
         raise refuse("mesh", "must have triangles", f"{text} without any")

@@ -10,7 +10,7 @@ from typing import Any
 
 import pandas as pd
 
-from toonkit._validation import ToonkitError, refuse
+from toonkit._validation import ToonkitError, expand_home, refuse
 from toonkit.export.atomic import PathLike, atomic_write
 from toonkit.study.record_store import FOLDER, RecordStore
 from toonkit.study.trials import Record, StudySettings
@@ -85,7 +85,7 @@ def load_trials(source: PathLike) -> pd.DataFrame:
     ToonkitError
         If there is no table, or a file is not one.
     """
-    place = Path(source).expanduser()
+    place = expand_home(source)
     if _has_newer_records(place):
         return as_table(RecordStore(place, load_provenance(place)).records())
     path = _table_path(place)
@@ -119,7 +119,7 @@ def load_provenance(source: PathLike) -> dict[str, Any]:
     ToonkitError
         If it is missing or no JSON.
     """
-    path = Path(source).expanduser()
+    path = expand_home(source)
     path = (path if path.is_dir() else path.parent) / PROVENANCE_NAME
     try:
         provenance: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
