@@ -9,7 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import label
 
-from toonkit._validation import BoolArray, FloatArray, of_type, same_mask
+from toonkit._validation import (
+    BoolArray,
+    FloatArray,
+    as_array,
+    as_mask,
+    of_type,
+    refuse,
+    same_mask,
+    same_shape,
+)
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.numerics.masked_grid import DOWN, LEFT, OUTSIDE, RIGHT, UP, MaskedGrid
@@ -42,11 +51,25 @@ class HeightField:
         True on the object.
     report : SolverReport
         How the integration went.
+
+    Raises
+    ------
+    ToonkitError
+        If height and mask differ in size, or the height is unknown on the mask.
     """
 
     height: FloatArray
     mask: BoolArray
     report: SolverReport
+
+    def __post_init__(self) -> None:
+        height, mask = as_array("height", self.height, (None, None)), as_mask("mask", self.mask)
+        same_shape("height", height.shape, mask.shape, "the mask")
+        if not np.isfinite(height[mask]).all():
+            raise refuse("height", "must be known on the mask", "NaN or infinite values")
+        of_type("report", self.report, SolverReport)
+        object.__setattr__(self, "height", height)
+        object.__setattr__(self, "mask", mask)
 
 
 def height_map(normals: NormalField) -> HeightField:
@@ -115,7 +138,7 @@ def height_mesh(field: HeightField, *, color: ToonImage | None = None) -> trimes
     Raises
     ------
     ToonkitError
-        If the picture has another size or mask.
+        If the field is no `HeightField`, or the picture no `ToonImage` of the same size and mask.
     """
     of_type("field", field, HeightField)
     import trimesh  # noqa: PLC0415 - takes seconds to import, and only meshes need it
@@ -127,6 +150,7 @@ def height_mesh(field: HeightField, *, color: ToonImage | None = None) -> trimes
     )
     vertex_colors = None
     if color is not None:
+        of_type("color", color, ToonImage)
         same_mask("color", color.mask, field.mask, "the height field")
         vertex_colors = color.to_rgba()[grid.mask]
     return trimesh.Trimesh(vertices, _faces(grid), vertex_colors=vertex_colors, process=False)

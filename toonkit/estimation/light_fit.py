@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toonkit._validation import FloatArray, same_mask
+from toonkit._validation import FloatArray, check_unit_light, is_number, of_type, refuse, same_mask
 from toonkit.estimation.light_prior import LightBelief, believed_light
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.estimation.shape_prior import misfit
@@ -52,10 +52,20 @@ class LightEstimate:
         Unit vector from the surface to the light.
     confidence : float
         Probability, as the estimator believes, that the true light is within 10 degrees of it; 0 to 1.
+
+    Raises
+    ------
+    ToonkitError
+        If the light is no unit vector with z >= 0, or the confidence no number from 0 to 1.
     """
 
     light: FloatArray
     confidence: float
+
+    def __post_init__(self) -> None:
+        check_unit_light("light", self.light)
+        if not is_number(self.confidence) or not 0 <= self.confidence <= 1:
+            raise refuse("confidence", "must be a number from 0 to 1", self.confidence)
 
 
 def estimate_light(
@@ -92,6 +102,7 @@ def estimate_light(
     """
     drawing = prepare(image)
     if initial_normals is not None:
+        of_type("initial_normals", initial_normals, NormalField)
         same_mask("initial_normals", initial_normals.mask, drawing.image.mask, "the picture")
     shaded = drawing.gray.hidden == 0
     shades = drawing.gray.tone[shaded]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from toonkit._validation import BoolArray, FloatArray, ToonkitError, refuse
+from toonkit._validation import BoolArray, FloatArray, ToonkitError, as_path, of_type, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.light_fit import LightEstimate
 from toonkit.estimation.preparation import PreparedDrawing, prepare
@@ -45,8 +45,9 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
     Raises
     ------
     ToonkitError
-        If the suffix is another or the file cannot be written.
+        If the analysis is none, the suffix is another or the file cannot be written.
     """
+    of_type("analysis", analysis, ToonAnalysis)
     suffix_of(path, (".npz",))
     image, report, estimate = analysis.image, analysis.report, analysis.light_estimate
     touched = (image.alpha > 0) & ~image.mask
@@ -91,6 +92,7 @@ def load_analysis(path: PathLike) -> ToonAnalysis:
     ToonkitError
         If the file is missing, damaged, no archive of an analysis, or of another version.
     """
+    path = as_path("path", path)
     file = Path(path).expanduser()
     if not file.is_file():
         raise refuse("path", "must be an archive of an analysis", f"{path}, which is not a file")

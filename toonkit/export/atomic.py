@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
-from toonkit._validation import refuse
+from toonkit._validation import as_path, refuse
 
 PathLike = str | os.PathLike[str]
 
@@ -70,7 +70,7 @@ def atomic_write(path: PathLike) -> Iterator[BinaryIO]:
 
 def suffix_of(path: PathLike, allowed: tuple[str, ...], argument: str = "path") -> str:
     """Return the lower-case suffix of a path, refusing one that is not among those allowed."""
-    suffix = Path(path).suffix.lower()
+    suffix = as_path(argument, path).suffix.lower()
     if suffix not in allowed:
         raise refuse(argument, f"must end in {' or '.join(allowed)}", f"{path}")
     return suffix

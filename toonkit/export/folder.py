@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from toonkit._validation import refuse
+from toonkit._validation import as_path, of_type, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.export.archive import save_analysis
 from toonkit.export.atomic import PathLike
@@ -47,6 +47,7 @@ def make_folder(path: PathLike) -> Path:
     ToonkitError
         If it has no name, a file is in its place, or the disk refuses.
     """
+    path = as_path("folder", path)
     if not str(path).strip():
         raise refuse("folder", "must have a name", "an empty one")
     folder = Path(path).expanduser()
@@ -85,6 +86,7 @@ def write_analysis_folder(
     ToonkitError
         If the folder cannot be written to.
     """
+    of_type("analysis", analysis, ToonAnalysis)
     target = make_folder(folder)
     earlier = _files_of_report(target / REPORT_NAME)
     writers = _writers(analysis)

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from numpy.typing import ArrayLike
 
-from toonkit._validation import of_type, refuse, same_mask
+from toonkit._validation import check_callable, of_type, refuse, same_mask
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.light_fit import estimate_light
 from toonkit.estimation.preparation import PreparedDrawing, prepare
@@ -107,10 +107,11 @@ def analyze(
     >>> analysis.color_map([-0.5, 0.9]).round(2).tolist()
     [[0.4, 0.2, 0.5], [0.9, 0.8, 0.6]]
     """
-    if method not in METHODS:
+    if not isinstance(method, str) or method not in METHODS:
         raise refuse("method", f"must be one of {', '.join(METHODS)}", repr(method))
     if previous is not None:
         of_type("previous", previous, ToonAnalysis)
+    check_callable("progress", progress)
     if isinstance(image, (str, PathLike)):
         image = load_image(image)
     direction = None if light is None else direction_of("light", light)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageCms, UnidentifiedImageError
 
-from toonkit._validation import FloatArray, ToonkitError, refuse
+from toonkit._validation import FloatArray, ToonkitError, any_array, refuse
 
 MAX_PIXELS = 8192 * 8192
 """Largest picture accepted: its normals, color and solver fields still fit into a few GiB."""
@@ -77,7 +77,10 @@ def read_pixels(argument: str, source: PictureSource) -> Pixels:
         path = Path(source).expanduser()
         return _from_bytes(argument, _read_path(argument, path), str(path))
     if hasattr(source, "read"):
-        data = source.read()
+        try:
+            data = source.read()
+        except (OSError, ValueError) as error:  # ValueError: a closed file
+            raise refuse(argument, "must be a readable file", f"{source!r} ({error})") from error
         if not isinstance(data, bytes):
             raise refuse(argument, 'must be opened in binary mode ("rb")', f"a file of {type(data).__name__}")
         return _from_bytes(argument, data, str(getattr(source, "name", "a file object")))
@@ -106,10 +109,7 @@ def _read_path(argument: str, path: Path) -> bytes:
 
 
 def _from_array(argument: str, source: ArrayLike) -> Pixels:
-    try:
-        array = np.asarray(source)
-    except ValueError as error:
-        raise refuse(argument, "must be a rectangular array", "rows of different lengths") from error
+    array = any_array(argument, source)
     if array.ndim == 2:
         array = array[..., None]
     if array.dtype.kind not in "biuf" or array.ndim != 3 or array.shape[-1] not in (1, 2, 3, 4):

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from toonkit._validation import FloatArray, as_light, is_number, refuse
+from toonkit._validation import FloatArray, any_array, as_light, is_number, refuse
 
 
 def light_direction(azimuth: float, elevation: float) -> FloatArray:
@@ -40,7 +42,8 @@ def light_direction(azimuth: float, elevation: float) -> FloatArray:
         raise refuse("elevation", "must be a finite number of degrees", elevation)
     if not 0.0 <= elevation <= 90.0:
         raise refuse("elevation", "must lie in 0 to 90 degrees (a light from behind cannot shade)", elevation)
-    turn, rise = np.deg2rad(azimuth), np.deg2rad(elevation)
+    # As a Python float: small NumPy types would round the angles, or overflow below.
+    turn, rise = math.radians(azimuth), math.radians(elevation)
     # cos(90 degrees) is 6e-17 in floating point: rounding it away keeps z >= 0 and 0 exactly 0.
     vector = np.array([np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)]).round(15)
     return as_light("light", vector)
@@ -67,10 +70,11 @@ def direction_of(argument: str, light: ArrayLike) -> FloatArray:
     ToonkitError
         If it is neither, zero, not finite or from behind.
     """
-    if np.ndim(light) == 1 and len(np.asarray(light)) == 2:
-        azimuth, elevation = np.asarray(light).tolist()
+    given = any_array(argument, light)
+    if given.shape == (2,):
+        azimuth, elevation = given.tolist()
         return light_direction(azimuth, elevation)
-    return as_light(argument, light)
+    return as_light(argument, given)
 
 
 def light_angles(light: ArrayLike) -> tuple[float, float]:

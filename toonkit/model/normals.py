@@ -7,7 +7,16 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from toonkit._validation import BoolArray, FloatArray, as_array, as_mask, refuse, same_shape
+from toonkit._validation import (
+    BoolArray,
+    FloatArray,
+    any_array,
+    as_array,
+    as_mask,
+    of_type,
+    refuse,
+    same_shape,
+)
 
 UNIT_TOLERANCE = 1e-3
 """A vector this close to unit length is a rounded unit vector and is renormalized; others are refused."""
@@ -40,6 +49,9 @@ class NormalField:
         inside = given[self._mask]
         if not np.isfinite(inside).all():
             raise refuse("vectors", "must be finite on the object", "NaN or infinite components")
+        largest = float(np.abs(inside).max())
+        if largest > 1 + UNIT_TOLERANCE:  # before it is squared
+            raise refuse("vectors", "must have unit length on the object", f"a component of {largest:.6g}")
         length = np.linalg.norm(inside, axis=1)
         worst = float(length[np.argmax(np.abs(length - 1))])
         if abs(worst - 1) > UNIT_TOLERANCE:
@@ -113,8 +125,9 @@ def encode_normal_map(
     Raises
     ------
     ToonkitError
-        If `bits` or `green` is none of the above.
+        If the normals are no `NormalField`, or `bits` or `green` is none of the above.
     """
+    of_type("normals", normals, NormalField)
     _check_encoding(bits, green)
     vectors = np.where(normals.mask[..., None], normals.vectors, np.array([0.0, 0.0, 1.0]))
     if green == "directx":
@@ -147,7 +160,7 @@ def decode_normal_map(colors: ArrayLike, mask: ArrayLike, *, green: GreenAxis = 
     ToonkitError
         If the colors are not 8 or 16 bit integers or a decoded vector is far from unit length.
     """
-    array = np.asarray(colors)
+    array = any_array("colors", colors)
     if array.dtype not in (np.uint8, np.uint16):
         raise refuse("colors", "must be uint8 or uint16", f"dtype {array.dtype}")
     bits = 8 if array.dtype == np.uint8 else 16
@@ -156,8 +169,9 @@ def decode_normal_map(colors: ArrayLike, mask: ArrayLike, *, green: GreenAxis = 
     if green == "directx":
         vectors[..., 1] *= -1
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    on_object = np.asarray(mask, dtype=np.bool_)
-    if on_object.shape == length.shape[:2] and (np.abs(length[on_object] - 1) > 0.1).any():
+    on_object = as_mask("mask", mask)
+    same_shape("mask", on_object.shape, array.shape[:2], "colors")
+    if (np.abs(length[on_object] - 1) > 0.1).any():
         raise refuse(
             "colors", "must encode unit vectors with z from -1..1", "vectors more than 10 % off unit length"
         )
@@ -166,7 +180,7 @@ def decode_normal_map(colors: ArrayLike, mask: ArrayLike, *, green: GreenAxis = 
 
 
 def _check_encoding(bits: int, green: str) -> None:
-    if bits not in (8, 16):
+    if not isinstance(bits, int) or bits not in (8, 16):
         raise refuse("bits", "must be 8 or 16", bits)
-    if green not in ("opengl", "directx"):
+    if not isinstance(green, str) or green not in ("opengl", "directx"):
         raise refuse("green", 'must be "opengl" (up) or "directx" (down)', repr(green))
