@@ -47,7 +47,7 @@ def make_folder(path: PathLike) -> Path:
     ToonkitError
         If it has no name, a file is in its place, or the disk refuses.
     """
-    path = as_path("folder", path)
+    as_path("folder", path)
     if not str(path).strip():
         raise refuse("folder", "must have a name", "an empty one")
     folder = Path(path).expanduser()
