@@ -77,6 +77,11 @@ class ToonAnalysis:
         same_mask("materials.labels", self.materials.labels >= 0, self.image.mask, "the picture")
         if not self.materials.color_maps:
             raise refuse("materials", "must have a color map each", "none")
+        area = np.bincount(self.materials.labels[self.image.mask], minlength=self.materials.count)
+        if not area.all():
+            raise refuse(
+                "materials", "must all occur on the object", f"none of number {int(np.argmin(area))}"
+            )
         of_type("report", self.report, SolverReport)
         if self.light_estimate is not None:
             of_type("light_estimate", self.light_estimate, LightEstimate)
