@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from toonkit._validation import BoolArray, FloatArray, check_flag, is_number, of_type, refuse
@@ -12,6 +11,7 @@ from toonkit.model.image import ToonImage
 from toonkit.model.light import direction_of
 from toonkit.model.materials import Materials
 from toonkit.numerics.bands import run_in_bands
+from toonkit.numerics.compiled import njit
 
 DETAIL_RANGE = 0.15
 """Change of illumination over which the painted detail hands over to the model: about half a tone of a four-tone ramp."""
