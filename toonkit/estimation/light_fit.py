@@ -111,10 +111,10 @@ def estimate_light(
     normals = drawing.initial_normals if initial_normals is None else initial_normals
     with single_threaded_blas():
         belief = sharpen(believed_light(drawing, normals), drawing, normals)
-    azimuth = np.rad2deg(np.arctan2(belief.light[1], belief.light[0]))
-    elevation = np.rad2deg(np.arcsin(np.clip(belief.light[2], -1.0, 1.0)))
-    light = light_direction(float(azimuth), float(max(elevation, LOWEST_ELEVATION)))
-    share = _explained_share(normals.compact[shaded] @ light, shades)
+        azimuth = np.rad2deg(np.arctan2(belief.light[1], belief.light[0]))
+        elevation = np.rad2deg(np.arcsin(np.clip(belief.light[2], -1.0, 1.0)))
+        light = light_direction(float(azimuth), float(max(elevation, LOWEST_ELEVATION)))
+        share = _explained_share(normals.compact[shaded] @ light, shades)
     return LightEstimate(light, belief.probability_within(CLOSE) * min(share / PLAUSIBLE, 1.0))
 
 
