@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from PIL import Image
@@ -174,6 +174,7 @@ def test_functions_of_arrays_answer_with_finite_numbers_or_refuse(one: Any, othe
 
 
 @fuzz(20)
+@example(142, "toonkit", None, 0.0)  # all of it is ink
 @given(
     st.integers(0, 10**6),
     st.sampled_from(list(toonkit.METHODS)),
