@@ -395,6 +395,36 @@ def test_a_reader_that_went_away_ends_it_with_141_and_without_a_traceback():
     assert (done.returncode, done.stderr) == (141, b"")
 
 
+@pytest.mark.parametrize("arguments", [["samples"], ["--help"], ["--version"]])
+def test_a_full_disk_under_stdout_is_told_in_one_line(arguments):
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "toonkit", *arguments], stdout=full, stderr=subprocess.PIPE, check=False
+        )
+    assert done.returncode == 1
+    assert done.stderr == b"toonkit: error: standard output: No space left on device\n"
+
+
+@pytest.mark.parametrize("closed", [">&-", "2>/dev/full", "<&- >&- 2>&-"])
+@pytest.mark.parametrize(
+    ("arguments", "status"),
+    [("--help", 0), ("relight nowhere --light 1,2 -o a.png", 2)],
+)
+def test_streams_that_are_closed_change_nothing(arguments, status, closed, tmp_path):
+    command = f"{sys.executable} -m toonkit {arguments} {closed}"
+    done = subprocess.run(["sh", "-c", command], cwd=tmp_path, capture_output=True, check=False)
+    assert done.returncode == status
+    assert b"Traceback" not in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("arguments", ["--help", "study list", "samples"])
+def test_help_and_lists_may_be_cut_off_by_their_reader(arguments):
+    command = f"{sys.executable} -m toonkit {arguments} | true"
+    done = subprocess.run(["sh", "-c", command], capture_output=True, check=False)
+    assert done.stderr == b""
+
+
 def test_a_terminal_without_a_sign_for_degrees_gets_another(tmp_path):
     done = subprocess.run(
         [sys.executable, "-m", "toonkit", "analyze", "sample:cat", "--light", "130,42", "-o", tmp_path],

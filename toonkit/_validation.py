@@ -7,12 +7,13 @@ not as it was meant, is accepted with a `ToonkitWarning`.
 
 from __future__ import annotations
 
+import math
 import os
 import warnings
 from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
-from typing import TypeGuard
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +23,9 @@ BoolArray = NDArray[np.bool_]
 
 MIN_OBJECT_PIXELS = 9
 """Fewer pixels than a 3 x 3 block have no interior, hence no shape to recover."""
+
+UNIT = 1e-9
+"""How far the length of a unit vector may be from one by rounding."""
 
 BEHIND = 1e-9
 """A light this far behind the image plane is a rounding error of one that lies in it."""
@@ -61,28 +65,76 @@ def refuse(argument: str, rule: str, value: object) -> ToonkitError:
 
 
 def is_number(value: object) -> TypeGuard[float]:
-    """Tell whether a value is one finite real number."""
-    return isinstance(value, int | float | np.number) and bool(np.isfinite(value))
+    """Tell whether a value is one real number that is finite as a float."""
+    if not isinstance(value, int | float | np.integer | np.floating):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # an int beyond the range of floats
+        return False
+
+
+def is_count(value: object, least: int, most: int) -> TypeGuard[int]:
+    """Tell whether a value is a whole number from `least` to `most`."""
+    return isinstance(value, int | np.integer) and bool(least <= value <= most)
+
+
+def check_flag(argument: str, value: object) -> None:
+    """Refuse a value that is neither True nor False."""
+    if not isinstance(value, bool | np.bool_):
+        raise refuse(argument, "must be True or False", repr(value))
+
+
+def check_callable(argument: str, value: object) -> None:
+    """Refuse a value that is neither None nor can be called."""
+    if value is not None and not callable(value):
+        raise refuse(argument, "must be a function, or None", type(value).__name__)
+
+
+def as_path(argument: str, value: object) -> Path:
+    """Return a path as the system takes one, refusing what is none."""
+    if not isinstance(value, str | os.PathLike):
+        raise refuse(argument, "must be a path", type(value).__name__)
+    path = os.fspath(value)
+    try:
+        if not isinstance(path, str) or b"\0" in os.fsencode(path):
+            raise ValueError
+    except ValueError:
+        raise refuse(argument, "must be a path of text that can name a file", ascii(path)) from None
+    return Path(path)
+
+
+def any_array(argument: str, value: object) -> NDArray[Any]:
+    """Return a value as NumPy reads it, refusing what it cannot read as a rectangular array."""
+    try:
+        return np.asarray(value)
+    except (OverflowError, TypeError, ValueError) as error:
+        shown = "rows of different lengths" if isinstance(error, ValueError) else f"{error}"
+        raise refuse(argument, "must be a rectangular array of numbers", shown) from error
+
+
+def as_real(argument: str, value: ArrayLike, *, copy: bool = True) -> FloatArray:
+    """Return `value` as float64 of its own shape, refusing anything that is not a real array."""
+    array = any_array(argument, value)
+    if array.dtype.kind not in "biuf":
+        raise refuse(argument, "must hold real numbers", f"dtype {array.dtype}")
+    with np.errstate(
+        over="ignore", invalid="ignore"
+    ):  # a long double becomes infinite, a signaling NaN a quiet one
+        # One memory order, so that sums are rounded alike whatever the order of the input.
+        return array.astype(np.float64, order="C", copy=copy)
 
 
 def as_array(argument: str, value: ArrayLike, shape: tuple[int | None, ...]) -> FloatArray:
     """Return `value` as float64, refusing anything that is not a real array of `shape` (None = any length)."""
-    try:
-        array = np.asarray(value)
-    except ValueError as error:
-        raise refuse(
-            argument, "must be a rectangular array of numbers", "rows of different lengths"
-        ) from error
-    if array.dtype == object or array.dtype.kind not in "biuf":
-        raise refuse(argument, "must hold real numbers", describe_value(value))
+    array = as_real(argument, value)
     fits = array.ndim == len(shape) and all(
         want is None or have == want for have, want in zip(array.shape, shape, strict=True)
     )
     if not fits:
         wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
         raise refuse(argument, f"must have shape {wanted}", array.shape)
-    # One memory order, so that sums are rounded alike whatever the order of the input.
-    return array.astype(np.float64, order="C")
+    return array
 
 
 def as_coverage(argument: str, value: ArrayLike, shape: tuple[int, int]) -> FloatArray:
@@ -143,10 +195,7 @@ def same_mask(argument: str, mask: BoolArray, wanted: BoolArray, of: str) -> Non
 
 def as_mask(argument: str, value: ArrayLike, shape: tuple[int, int] | None = None) -> BoolArray:
     """Return a (H, W) bool mask with at least `MIN_OBJECT_PIXELS` object pixels, of `shape` if one is given."""
-    try:
-        array = np.asarray(value)
-    except ValueError as error:
-        raise refuse(argument, "must be a rectangular array", "rows of different lengths") from error
+    array = any_array(argument, value)
     if array.ndim != 2 or array.dtype.kind not in "biuf":
         rule = "must be a (H, W) array, True on the object, such as image.mask"
         raise refuse(argument, rule, describe_value(value))
@@ -168,16 +217,15 @@ def as_mask(argument: str, value: ArrayLike, shape: tuple[int, int] | None = Non
 
 def as_labels(argument: str, value: ArrayLike, mask: BoolArray) -> NDArray[np.intp]:
     """Return (H, W) labels that number from 0 on, in the order given, what occurs on a mask; -1 elsewhere."""
-    try:
-        array = np.asarray(value)
-    except ValueError as error:
-        raise refuse(argument, "must be a rectangular array", "rows of different lengths") from error
+    array = any_array(argument, value)
     if array.dtype.kind not in "iu":
         raise refuse(argument, "must be an (H, W) array of integers", describe_value(value))
     same_shape(argument, array.shape, mask.shape, "the picture")
-    inside = array[mask].astype(np.intp)
-    if inside.min() < -1:
-        raise refuse(argument, "must be numbers from 0 on, or -1 where unknown", int(inside.min()))
+    given = array[mask]
+    if given.min() < -1 or given.max() > np.iinfo(np.intp).max:
+        shown = f"{given.min()} to {given.max()}"
+        raise refuse(argument, "must be numbers from 0 on, or -1 where unknown", shown)
+    inside = given.astype(np.intp)
     if inside.max() < 0:
         raise refuse(argument, "must name a material somewhere on the object", "-1 everywhere")
     labels = np.full(mask.shape, -1, np.intp)
@@ -214,6 +262,16 @@ def as_light(argument: str, value: ArrayLike, *, behind: bool = False) -> FloatA
         )
     light[2] = max(light[2], 0.0)
     return light
+
+
+def check_unit_light(argument: str, value: object) -> None:
+    """Refuse what is no light as toonkit keeps one: a unit vector (3,), z >= 0."""
+    light = any_array(argument, value)
+    good = light.shape == (3,) and light.dtype.kind == "f" and bool((np.abs(light) < 2).all())
+    if not (good and abs(np.linalg.norm(light) - 1) < UNIT and light[2] >= -BEHIND):
+        raise refuse(
+            argument, "must be a unit vector of shape (3,), z >= 0", np.array2string(light, threshold=8)
+        )
 
 
 def same_shape(argument: str, have: tuple[int, ...], want: tuple[int, ...], of: str) -> None:

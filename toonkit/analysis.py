@@ -8,7 +8,7 @@ from os import PathLike
 
 import numpy as np
 
-from toonkit._validation import FloatArray, of_type, refuse
+from toonkit._validation import FloatArray, check_unit_light, of_type, refuse, same_mask
 from toonkit.estimation.color_map_fit import allowed_intervals
 from toonkit.estimation.light_fit import LightEstimate
 from toonkit.estimation.preparation import PreparedDrawing, prepare
@@ -52,6 +52,11 @@ class ToonAnalysis:
         The light with its confidence, if it was estimated; None if it was given.
     drawing : PreparedDrawing
         The picture with what is derived from it alone, for relighting and further analyses; prepared anew by default.
+
+    Raises
+    ------
+    ToonkitError
+        If a part is of another type or covers another mask, or a material has no color map.
     """
 
     image: ToonImage
@@ -65,9 +70,27 @@ class ToonAnalysis:
     drawing: PreparedDrawing = field(kw_only=True, default=None)  # type: ignore[assignment]  # None until __post_init__
 
     def __post_init__(self) -> None:
+        if not isinstance(self.image, PreparedDrawing):
+            of_type("image", self.image, ToonImage)
         if isinstance(self.materials, ColorMap):
             object.__setattr__(self, "materials", Materials.single(self.image.mask, self.materials))
+        of_type("method", self.method, str)
+        check_unit_light("light", self.light)
+        for name, normals in (("normals", self.normals), ("initial_normals", self.initial_normals)):
+            of_type(name, normals, NormalField)
+            same_mask(name, normals.mask, self.image.mask, "the picture")
         of_type("materials", self.materials, Materials)
+        same_mask("materials.labels", self.materials.labels >= 0, self.image.mask, "the picture")
+        if not self.materials.color_maps:
+            raise refuse("materials", "must have a color map each", "none")
+        area = np.bincount(self.materials.labels[self.image.mask], minlength=self.materials.count)
+        if not area.all():
+            raise refuse(
+                "materials", "must all occur on the object", f"none of number {int(np.argmin(area))}"
+            )
+        of_type("report", self.report, SolverReport)
+        if self.light_estimate is not None:
+            of_type("light_estimate", self.light_estimate, LightEstimate)
         if self.drawing is None or self.drawing.image is not self.image:
             object.__setattr__(self, "drawing", prepare(self.image, materials=self.materials.labels))
             object.__setattr__(self, "image", self.drawing.image)

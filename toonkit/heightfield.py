@@ -9,7 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import label
 
-from toonkit._validation import BoolArray, FloatArray, of_type, same_mask
+from toonkit._validation import (
+    BoolArray,
+    FloatArray,
+    as_array,
+    as_mask,
+    of_type,
+    refuse,
+    same_mask,
+    same_shape,
+)
 from toonkit.model.description import describe_object
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
@@ -43,11 +52,25 @@ class HeightField:
         True on the object.
     report : SolverReport
         How the integration went.
+
+    Raises
+    ------
+    ToonkitError
+        If height and mask differ in size, or the height is unknown on the mask.
     """
 
     height: FloatArray
     mask: BoolArray
     report: SolverReport
+
+    def __post_init__(self) -> None:
+        height, mask = as_array("height", self.height, (None, None)), as_mask("mask", self.mask)
+        same_shape("height", height.shape, mask.shape, "the mask")
+        if not np.isfinite(height[mask]).all():
+            raise refuse("height", "must be known on the mask", "NaN or infinite values")
+        of_type("report", self.report, SolverReport)
+        object.__setattr__(self, "height", height)
+        object.__setattr__(self, "mask", mask)
 
     def __repr__(self) -> str:
         return f"HeightField({describe_object(self.mask)}, 0 to {np.nanmax(self.height):.1f} pixels high)"
@@ -119,7 +142,7 @@ def height_mesh(field: HeightField, *, color: ToonImage | None = None) -> trimes
     Raises
     ------
     ToonkitError
-        If the picture has another size or mask.
+        If the field is no `HeightField`, or the picture no `ToonImage` of the same size and mask.
     """
     of_type("field", field, HeightField)
     import trimesh  # noqa: PLC0415 - takes seconds to import, and only meshes need it

@@ -25,6 +25,9 @@ from toonkit.numerics.masked_grid import rim_mask
 UNCHANGED = 1e-9
 """Color RMSE up to which two pictures are the same but for rounding."""
 
+ROUNDING = 1e-9
+"""How far an illumination may leave [-1, 1] by rounding."""
+
 LEAK_CHROMA = (0.05, 0.25)
 """How far shading may move a color off the ray of its chroma, in OKLab: so much, and so much of its chroma."""
 
@@ -122,16 +125,23 @@ def illumination_error(illumination: ArrayLike, reference: ArrayLike, mask: Arra
     Raises
     ------
     ToonkitError
-        If shapes differ, the mask is empty, or a value on it is not finite.
+        If shapes differ, the mask is empty, or a value on it is NaN or outside [-1, 1].
     """
     on_object = as_mask("mask", mask)
     both = {"illumination": illumination, "reference": reference}
     ours, theirs = (as_array(name, value, (None, None)) for name, value in both.items())
     for name, value in (("illumination", ours), ("reference", theirs)):
         same_shape(name, value.shape, on_object.shape, "the mask")
-        if not np.isfinite(value[on_object]).all():
+        inside = value[on_object]
+        if not np.isfinite(inside).all():
             raise refuse(name, "must be known on the object", "NaN or infinite values")
-    return _summary(np.where(on_object, np.abs(ours - theirs), np.nan), on_object)
+        if np.abs(inside).max() > 1 + ROUNDING:
+            raise refuse(
+                name, "must lie in [-1, 1] on the object", f"{inside.min():.4g} to {inside.max():.4g}"
+            )
+    difference = np.full(on_object.shape, np.nan)
+    difference[on_object] = np.abs(ours[on_object] - theirs[on_object])
+    return _summary(difference, on_object)
 
 
 def picture_error(image: ToonImage, reference: ToonImage) -> PictureError:
@@ -238,7 +248,10 @@ def relight_response(
     ToonkitError
         If the masks differ.
     """
-    same_mask("true_before", true_before.mask, before.mask, "the estimate")
+    pictures = {"before": before, "after": after, "true_before": true_before, "true_after": true_after}
+    for name, picture in pictures.items():
+        of_type(name, picture, ToonImage)
+        same_mask(name, picture.mask, before.mask, "the estimate")
     truth = color_rmse(true_after, true_before)
     return color_rmse(after, before) / truth if truth > UNCHANGED else float("nan")
 

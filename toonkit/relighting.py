@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from toonkit._validation import BoolArray, FloatArray, is_number, of_type, refuse
+from toonkit._validation import BoolArray, FloatArray, check_flag, is_number, of_type, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.image import ToonImage
 from toonkit.model.light import direction_of
 from toonkit.model.materials import Materials
 from toonkit.numerics.bands import run_in_bands
+from toonkit.numerics.compiled import njit
 
 DETAIL_RANGE = 0.15
 """Change of illumination over which the painted detail hands over to the model: about half a tone of a four-tone ramp."""
@@ -57,7 +57,8 @@ def relight(
     Raises
     ------
     ToonkitError
-        If the new light is zero or not finite, the analysis is none, or the flat shading leaves [0, 1].
+        If the new light is zero or not finite, the analysis is none, `keep_detail` is neither True nor False, or the flat
+        shading leaves [0, 1].
 
     Notes
     -----
@@ -83,12 +84,13 @@ def relight(
     light = direction_of("new_light", new_light, behind=True)
     if not is_number(flat_shading) or not 0 <= flat_shading <= 1:
         raise refuse("flat_shading", "must be a number from 0 to 1", flat_shading)
+    check_flag("keep_detail", keep_detail)
     image, drawing, materials = analysis.image, analysis.drawing, analysis.materials
     strength = flat_shading * (turn_share(analysis.light, light) if keep_detail else 1.0)
     color = np.empty_like(image.color)
     run_in_bands(
         _paint, materials.labels, analysis.normals.vectors, image.color, analysis.light, light,
-        *_stacked(materials), strength, keep_detail, color,
+        *_stacked(materials), float(strength), bool(keep_detail), color,
     )  # fmt: skip
     mixed = drawing.mixed
     sources = drawing.places(mixed.sources)

@@ -11,7 +11,7 @@ from toonkit import (
     illumination,
     illumination_interval,
 )
-from toonkit.estimation.energy import printed_energy
+from toonkit.estimation.energy import LIMITS, printed_energy
 from toonkit.estimation.refinement import refine, refine_as_printed
 from toonkit.numerics.masked_grid import MaskedGrid
 
@@ -61,6 +61,7 @@ def test_without_smoothness_the_printed_energy_is_the_shading_alone():
         ({"alpha": np.ones((3, 3))}, "alpha must have the size"),
         ({"alpha": 2.0 * MASK}, r"alpha must lie in \[0, 1\]"),
         ({"interval": everywhere(np.inf)}, "interval.lower must be known and finite"),
+        ({"interval": everywhere(1e300)}, r"interval.lower must lie in \[-2, 2\]"),
         ({"options": {"margin": 3}}, "options must be a RefinementOptions"),
         ({"light": [0, 0, 0]}, "zero vector"),
     ],
@@ -72,11 +73,36 @@ def test_what_cannot_be_refined_is_refused(arguments, words):
 
 
 @pytest.mark.parametrize(
-    ("option", "value"), [("margin", -1), ("change_length", np.nan), ("rim_hold", "much"), ("tolerance", 0)]
+    ("option", "value"),
+    [
+        ("margin", -1),
+        ("change_length", np.nan),
+        ("rim_hold", "much"),
+        ("tolerance", 0),
+        *((option, value) for option in LIMITS for value in (1e300, np.inf, -1e-300, 10**400)),
+        *((option, 1e-300) for option in ("change_reach", "crease_turn", "color_jump", "tolerance")),
+    ],
 )
 def test_an_option_without_meaning_is_refused(option, value):
     with pytest.raises(ToonkitError, match=option):
         RefinementOptions(**{option: value})
+
+
+@pytest.mark.parametrize("end", [0, 1])
+@pytest.mark.parametrize("option", LIMITS)
+def test_an_option_at_its_limit_leaves_energies_finite_and_normals_of_unit_length(option, end):
+    options = RefinementOptions(**{option: LIMITS[option][end]})
+    refined = refine(SHAPE.normals, LIGHT, true_interval(), options=options)
+    assert np.isfinite(refined.report.energies).all()
+    assert np.linalg.norm(refined.normals.compact, axis=1) == pytest.approx(1, abs=1e-9)
+
+
+def test_all_options_at_their_limits_leave_energies_finite():
+    for end in (0, 1):
+        options = RefinementOptions(**{option: limits[end] for option, limits in LIMITS.items()})
+        assert np.isfinite(
+            refine(SHAPE.normals, LIGHT, true_interval(), options=options).report.energies
+        ).all()
 
 
 def test_an_interval_whose_bounds_are_swapped_is_refused():

@@ -1,5 +1,6 @@
 """An analysis comes back from its archive bit for bit, and nothing else is taken for one."""
 
+import tracemalloc
 import zipfile
 from dataclasses import replace
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 
 from toonkit import ToonkitError, analyze, light_direction, relight
+from toonkit.cli import main
 from toonkit.export.archive import FORMAT_VERSION, load_analysis, save_analysis
 from toonkit.synthetic.drawing import draw_scene
 
@@ -136,28 +138,62 @@ def _changed(path, **changes):
         ({"mask": np.zeros((48, 48), dtype=bool)}, "must be a complete archive"),
         ({"color": np.array("text")}, "must be a complete archive"),
         ({"material_labels": None}, "must be a complete archive"),
-        ({"material_labels": np.array(0)}, "complete archive .*labels are not one integer for each pixel"),
+        (
+            {"material_labels": np.array(0)},
+            rf"complete archive .*material_labels must have shape \({PIXELS}\)",
+        ),
         (
             {"material_labels": np.zeros(7, int)},
-            "complete archive .*labels are not one integer for each pixel",
+            rf"complete archive .*material_labels must have shape \({PIXELS}\)",
         ),
         (
             {"material_labels": np.zeros(PIXELS)},
-            "complete archive .*labels are not one integer for each pixel",
+            "complete archive .*material_labels must be integers; got float64",
         ),
-        ({"material_labels": np.full(PIXELS, 1)}, "complete archive .*labels are not numbers from 0 to 0"),
-        ({"material_labels": np.full(PIXELS, -1)}, "complete archive .*labels are not numbers from 0 to 0"),
-        ({"material_flat": np.zeros((1, 1), bool)}, "complete archive .*which materials are flat"),
-        ({"material_flat": np.zeros(2, bool)}, "complete archive .*colors are not those of its materials"),
-        ({"material_tone_counts": np.array([3])}, "complete archive .*colors are not those of its materials"),
-        ({"color_map_counts": np.array([16.0])}, "complete archive .*colors are not those of its materials"),
+        ({"material_labels": np.full(PIXELS, 1)}, "complete archive .*labels must lie in -1 to 0"),
+        ({"material_labels": np.full(PIXELS, -1)}, "complete archive .*material_labels must be known"),
+        (
+            {"material_flat": np.zeros((1, 1), bool)},
+            r"complete archive .*material_flat must have shape \(any\)",
+        ),
+        ({"material_flat": np.zeros(2, bool)}, r"complete archive .*tone_counts must have shape \(2\)"),
+        (
+            {"material_tone_counts": np.array([3])},
+            r"complete archive .*material_tones must have shape \(3, 3\)",
+        ),
+        ({"color_map_counts": np.array([16.0])}, "complete archive .*color_map_counts must be integers"),
         (
             {"color_map_counts": np.array([17, -1])},
-            "complete archive .*colors are not those of its materials",
+            r"complete archive .*color_map_counts must have shape \(1\)",
         ),
         ({"color_map_domains": np.zeros((0, 2))}, "must be a complete archive"),
         ({"color_map_domains": np.array([[1.0, -1.0]])}, "must be a complete archive .*lo < hi"),
-        ({"method": np.array([{"a": 1}], dtype=object)}, "must be an undamaged archive .*allow_pickle"),
+        ({"color_map_counts": np.array([-1])}, "complete archive .*color_map_colors must be 1 to"),
+        ({"color_map_counts": np.array([2**62])}, "complete archive .*color_map_colors must be 1 to"),
+        ({"light": np.array(1.0)}, r"complete archive .*light must have shape \(3\); got \(\)"),
+        ({"light": np.zeros(2)}, r"complete archive .*light must have shape \(3\); got \(2,\)"),
+        ({"light": np.full(3, np.nan)}, "complete archive .*light must be a unit vector"),
+        ({"light": np.array([0, 0, -1.0])}, "complete archive .*light must be a unit vector"),
+        ({"light": np.full(3, 1e300)}, "complete archive .*light must be a unit vector"),
+        ({"light": np.array([0, 0, 1], np.longdouble)}, "complete archive .*light must have at most 64 bits"),
+        ({"light_confidence": np.array(2.0)}, "complete archive .*confidence must be a number from 0 to 1"),
+        ({"light_confidence": np.array([0.5])}, r"complete archive .*light_confidence must have shape \(\)"),
+        ({"alpha": np.full((48, 48), np.nan)}, r"complete archive .*alpha must lie in \[0, 1\]|fringe must"),
+        ({"color": np.full((PIXELS, 3), np.nan)}, "complete archive .*color must be painted"),
+        ({"color": np.full((PIXELS, 3), 2.0)}, r"complete archive .*color must be sRGB in \[0, 1\]"),
+        ({"normals": np.full((PIXELS, 3), np.nan)}, "complete archive .*vectors must be finite"),
+        ({"initial_normals": np.zeros((PIXELS, 3))}, "complete archive .*vectors must have unit length"),
+        ({"material_tones": np.full((2, 3), np.nan)}, "complete archive .*tones must be"),
+        ({"material_flat": np.zeros(0, bool)}, "complete archive"),
+        ({"report_iterations": np.array(-1)}, "complete archive .*report_iterations must be a number >= 0"),
+        ({"report_energies": np.array([np.nan])}, "complete archive .*report_energies must be finite"),
+        ({"report_energies": np.zeros(2_000_000)}, "complete archive .*energies must have at most 1,000,000"),
+        ({"report_reason": np.array("x" * 20_000)}, "complete archive .*reason must have at most 10,000"),
+        ({"report_converged": np.array(1)}, "complete archive .*report_converged must be bool"),
+        (
+            {"method": np.array([{"a": 1}], dtype=object)},
+            "complete archive .*method must be text; got object",
+        ),
     ],
 )
 def test_another_archive_is_refused(saved, changes, reason):
@@ -198,3 +234,123 @@ def test_a_missing_archive_is_refused(tmp_path):
 def test_an_archive_is_named_npz(analysis, tmp_path):
     with pytest.raises(ToonkitError, match=r"must end in \.npz"):
         save_analysis(analysis, tmp_path / "analysis.zip")
+
+
+def _put(path, name, content, *, compression=zipfile.ZIP_DEFLATED):
+    """Replace a member of an archive, or add one."""
+    with zipfile.ZipFile(path) as archive:
+        members = {member.filename: archive.read(member) for member in archive.infolist()}
+    members[name] = content
+    with zipfile.ZipFile(path, "w", compression) as archive:
+        for member, data in members.items():
+            archive.writestr(member, data)
+
+
+def _array_file(descr: str, shape: str, content: bytes = b"") -> bytes:
+    header = f"{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}".encode() + b"\n"
+    return b"\x93NUMPY\x02\x00" + len(header).to_bytes(4, "little") + header + content
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (_array_file("'<f8'", "(3,)"), "light must be complete; got 0 of 24 bytes"),
+        (_array_file("'<f8'", "(3,)", bytes(32)), "light must have 24 bytes; got more"),
+        (_array_file("'<f8'", "(100000000000,)"), r"light must have shape \(3\)"),
+        (_array_file("'<f100000000'", "(3,)"), "light must be (of a type that NumPy knows|floats)"),
+        (_array_file("'<U100000000'", "()"), "light must be floats"),
+        (_array_file("'<f8'", "(" * 400 + "3" + ")" * 400), "light must be an array of plain numbers"),
+        (_array_file("[" * 400 + "]" * 400, "()"), "light must be an array of plain numbers"),
+        (_array_file("'<f8'", "(" + "1, " * 400 + ")"), "light must be described in 1024 bytes"),
+        (
+            _array_file("'|O'", "(3,)", b"cos\nsystem\n"),
+            "light must be an array of plain numbers|must be floats",
+        ),
+        (b"\x93NUMPY\x01\x00\xff", "light must be"),
+        (b"", "light must be an array; got something else"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_what_an_array_says_of_itself_is_checked_before_it_is_read(saved, content, reason):
+    _put(saved, "light.npy", content)
+    with pytest.raises(ToonkitError, match=f"complete archive .*{reason}"):
+        load_analysis(saved)
+
+
+def test_a_text_of_billions_of_characters_is_not_read(saved):
+    _put(saved, "method.npy", _array_file("'<U100000000'", "()"))
+    with pytest.raises(ToonkitError, match="method must have at most 10,000 entries"):
+        load_analysis(saved)
+
+
+@pytest.mark.parametrize("code", [b"\x00\xd8\x00\x00", b"\xff\xff\xff\x7f"])
+def test_a_text_that_is_no_unicode_is_refused(saved, code):
+    _put(saved, "method.npy", _array_file("'<U1'", "()", code))
+    with pytest.raises(ToonkitError, match="method must be text"):
+        load_analysis(saved)
+
+
+def test_a_bool_of_other_bytes_than_0_and_1_is_refused(saved):
+    _put(saved, "mask.npy", _array_file("'|b1'", "(48, 48)", b"\x02" * 48 * 48))
+    with pytest.raises(ToonkitError, match="mask must be True or False; got other bytes"):
+        load_analysis(saved)
+
+
+def test_a_mask_larger_than_any_picture_is_not_read(saved):
+    _put(saved, "mask.npy", _array_file("'|b1'", "(100000, 100000)"))
+    with pytest.raises(ToonkitError, match="mask must have at most 67,108,864 entries"):
+        load_analysis(saved)
+
+
+def test_an_array_of_the_other_byte_order_or_by_columns_is_read(analysis, saved):
+    _changed(saved, light=analysis.light.astype(">f8"), alpha=np.asfortranarray(analysis.image.alpha))
+    found = load_analysis(saved)
+    assert np.array_equal(found.light, analysis.light)
+    assert np.array_equal(found.image.alpha, analysis.image.alpha)
+
+
+def test_what_an_archive_holds_beside_its_arrays_is_not_read(analysis, saved):
+    with zipfile.ZipFile(saved, "a", zipfile.ZIP_DEFLATED) as archive, archive.open("bomb.npy", "w") as file:
+        file.write(np.lib.format.magic(1, 0))
+        for _ in range(64):
+            file.write(bytes(1 << 20))
+    tracemalloc.start()
+    assert load_analysis(saved).method == analysis.method
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 32 << 20
+
+
+@pytest.mark.parametrize("compression", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_another_compression_than_numpys_is_refused(saved, compression):
+    _put(saved, "extra.npy", b"", compression=compression)
+    with pytest.raises(ToonkitError, match="must be stored or deflated; got compression"):
+        load_analysis(saved)
+
+
+def _with_directory_field(path, offset, value):
+    """Change 16 bits of each entry of a zip file's directory."""
+    data = bytearray(path.read_bytes())
+    at = data.find(b"PK\x01\x02")
+    while at >= 0:
+        data[at + offset : at + offset + 2] = value.to_bytes(2, "little")
+        at = data.find(b"PK\x01\x02", at + 1)
+    path.write_bytes(data)
+
+
+@pytest.mark.parametrize(
+    ("offset", "value", "reason"),
+    [(8, 1, "must not be encrypted"), (10, 99, "must be stored or deflated; got compression 99")],
+)
+def test_an_encrypted_archive_and_an_unknown_compression_are_refused(saved, offset, value, reason):
+    _with_directory_field(saved, offset, value)
+    with pytest.raises(ToonkitError, match=reason):
+        load_analysis(saved)
+
+
+def test_a_refused_archive_is_one_line_of_the_command_line(saved, capsys):
+    _changed(saved, light=np.zeros(2))
+    assert main(["relight", str(saved), "--light", "30,50", "-o", str(saved.with_name("relit.png"))]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("toonkit: error: path must be a complete archive")
+    assert said.count("\n") == 1

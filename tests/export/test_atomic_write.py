@@ -1,6 +1,10 @@
 """A file is written whole or not at all."""
 
+import signal
 import stat
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -72,3 +76,80 @@ def test_a_link_is_followed(tmp_path):
 def test_a_path_that_cannot_be_a_file_is_refused(tmp_path, name, reason):
     with pytest.raises(ToonkitError, match=f"path {reason}"), atomic_write(tmp_path / name):
         pass
+
+
+KILLED = """
+import os, signal, sys
+from toonkit.export.atomic import atomic_write
+with atomic_write(sys.argv[1]) as file:
+    file.write(b"half")
+    file.flush()
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.fixture
+def leftover(tmp_path):
+    """The temporary file of a process that was killed while it wrote."""
+    done = subprocess.run([sys.executable, "-c", KILLED, str(tmp_path / "killed")], check=False)
+    assert done.returncode == -signal.SIGKILL
+    (left,) = tmp_path.iterdir()
+    return left
+
+
+def test_what_a_killed_process_left_is_removed_by_the_next_write_into_its_folder(leftover):
+    with atomic_write(leftover.with_name("other")) as file:
+        file.write(b"whole")
+    assert [path.name for path in leftover.parent.iterdir()] == ["other"]
+
+
+def test_what_is_being_written_is_no_leftover(tmp_path):
+    with atomic_write(tmp_path / "slow") as slow:
+        with atomic_write(tmp_path / "quick") as quick:
+            quick.write(b"second")
+        slow.write(b"first")
+    assert (tmp_path / "slow").read_bytes() == b"first"
+    assert (tmp_path / "quick").read_bytes() == b"second"
+
+
+def test_files_and_folders_of_others_are_no_leftovers(leftover):
+    others = {
+        ".x.tmp",
+        ".x.0123456789ab.tmp",
+        "x.toonkit-0123456789ab.tmp",
+        ".x.toonkit-0123456789ab.tmp.png",
+    }
+    for name in others:
+        leftover.with_name(name).write_bytes(b"")
+    folder = leftover.with_name(".x.toonkit-0123456789ab.tmp")
+    folder.mkdir()
+    with atomic_write(leftover.with_name("new")) as file:
+        file.write(b"new")
+    assert {path.name for path in leftover.parent.iterdir()} == {*others, folder.name, "new"}
+
+
+def test_a_leftover_that_a_link_points_away_from_stays(leftover, tmp_path_factory):
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    (elsewhere / leftover.name).symlink_to(leftover)
+    with atomic_write(elsewhere / "new") as file:
+        file.write(b"new")
+    assert leftover.exists()
+
+
+def test_many_writers_of_one_folder_lose_nothing(tmp_path):
+    def write(number):
+        with atomic_write(tmp_path / str(number)) as file:
+            file.write(str(number).encode())
+
+    with ThreadPoolExecutor(8) as threads:
+        list(threads.map(write, range(200)))
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {
+        str(n): str(n) for n in range(200)
+    }
+
+
+def test_a_name_as_long_as_the_system_allows_can_be_written(tmp_path):
+    path = tmp_path / ("ü" * 125 + ".png")
+    with atomic_write(path) as file:
+        file.write(b"content")
+    assert path.read_bytes() == b"content"

@@ -186,5 +186,5 @@ def test_a_negative_tolerance_is_refused(tolerance):
 
 
 def test_fewer_than_two_samples_are_refused():
-    with pytest.raises(ToonkitError, match="count must be at least 2"):
+    with pytest.raises(ToonkitError, match="count must be a whole number from 2"):
         gray_ramp.resampled(1)

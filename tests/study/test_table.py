@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+import json
+
 import pandas as pd
 import pytest
 
 from toonkit import ToonkitError
+from toonkit.study.plan import plan_study
+from toonkit.study.provenance import provenance
 from toonkit.study.record_store import LOST, RecordStore
+from toonkit.study.runner import run_study
+from toonkit.study.study_folder import LOCK_NAME, opened_sidecar
 from toonkit.study.table import (
     COLUMN_TYPES,
     CSV_NAME,
+    PROVENANCE_NAME,
     TABLE_NAME,
     as_table,
+    load_provenance,
     load_trials,
     write_csv,
     write_table,
@@ -135,3 +143,109 @@ def test_a_trial_whose_worker_was_lost_is_tried_again(tmp_path):
     store.save(TRIALS[1], unmeasured(TRIALS[1], "mesh", StudySettings(), error="ValueError: no"))
     assert [store.is_done(trial) for trial in TRIALS[:2]] == [False, True]
     assert [store.is_done(trial, retry_failed=True) for trial in TRIALS[:2]] == [False, False]
+
+
+DAMAGES = {
+    "cut off": lambda text: text[: len(text) // 2],
+    "empty": lambda text: "",
+    "no object": lambda text: "[1, 2]",
+    "nested": lambda text: "[" * 100_000,
+    "no record": lambda text: json.dumps({"fingerprint": json.loads(text)["fingerprint"]}),
+    "other columns": lambda text: text.replace('"pixels"', '"pixel"'),
+    "text for a number": lambda text: text.replace('"pixels": 0', '"pixels": "0"'),
+    "bool for a number": lambda text: text.replace('"pixels": 0', '"pixels": false'),
+    "a number beyond 64 bits": lambda text: text.replace('"pixels": 0', f'"pixels": {10**30}'),
+    "a number for text": lambda text: text.replace('"error": ""', '"error": 5'),
+    "another trial": lambda text: text.replace('"shape": "b"', '"shape": "a"'),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES.values(), ids=DAMAGES)
+def test_a_damaged_record_is_measured_again(damage, tmp_path):
+    store = RecordStore(tmp_path, sidecar())
+    for trial, record in zip(TRIALS, records(), strict=True):
+        store.save(trial, record)
+    path = tmp_path / "records" / f"{TRIALS[0].key}.json"
+    damaged = damage(path.read_text())
+    assert damaged != path.read_text()
+    path.write_text(damaged)
+    assert [store.is_done(trial) for trial in TRIALS] == [False, True, True, True]
+    assert len(store.records()) == 3
+    store.forget(["mine"])
+    assert len(store.records()) == 1
+    store.save(TRIALS[0], records()[0])
+    assert store.is_done(TRIALS[0])
+
+
+PLAN = plan_study(
+    shapes=["sphere"], color_maps=["terracotta"], methods=["flat"], settings=StudySettings(size=32)
+)
+
+
+def test_a_provenance_reads_back_as_it_was_written(tmp_path):
+    written = opened_sidecar(provenance(PLAN), tmp_path)
+    assert load_provenance(tmp_path) == json.loads(json.dumps(written))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        *({name: odd} for name in provenance(PLAN) for odd in (None, 5)),
+        {"runs": [{}]},
+        {"runs": [5]},
+        {"digests": {"shape": {"a": 5}}},
+        {"color_maps": [["nested"]]},
+        {"settings": {"size": "large", "light": [0, 90], "new_lights": [[0, 90]]}},
+        {"settings": {"size": 64, "light": [0, 90], "new_lights": [[0]]}},
+    ],
+    ids=str,
+)
+def test_an_odd_provenance_is_refused(changes, tmp_path):
+    written = {**opened_sidecar(provenance(PLAN), tmp_path), **changes}
+    (tmp_path / PROVENANCE_NAME).write_text(json.dumps(written))
+    with pytest.raises(ToonkitError, match=r"source must have .*study\.json"):
+        load_provenance(tmp_path)
+    with pytest.raises(ToonkitError, match=r"source must have .*study\.json"):
+        run_study(PLAN, tmp_path, workers=0)
+
+
+@pytest.mark.parametrize("text", ["", "[]", "[" * 100_000, "{", "\x00"])
+def test_a_provenance_that_is_no_object_is_refused(text, tmp_path):
+    (tmp_path / PROVENANCE_NAME).write_text(text)
+    with pytest.raises(ToonkitError, match=r"source must have .*study\.json"):
+        load_provenance(tmp_path)
+
+
+@pytest.mark.parametrize("name", [LOCK_NAME, "records"])
+def test_a_folder_that_cannot_be_written_to_is_refused(name, tmp_path):
+    if name == LOCK_NAME:
+        (tmp_path / name).mkdir()
+    else:
+        (tmp_path / name).write_text("")
+    with pytest.raises(ToonkitError, match="folder must be writable; got "):
+        run_study(PLAN, tmp_path, workers=0)
+
+
+def _lines(**changes):
+    """A table of one trial as CSV, with some of its values changed."""
+    return as_table(records()[:1]).astype(object).assign(**changes).to_csv(index=False)
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("", "must be the table of a study"),
+        ("\x00\xff", "must (be the table|have the column)"),
+        (_lines().splitlines()[0], "must hold at least one trial"),
+        (_lines(pixels="many"), "must have the columns of a study's table"),
+        (_lines(pixels=None), "must have the columns of a study's table"),
+        (
+            _lines(light_track="sideways"),
+            "must be of the light tracks given and estimated; got .* with 'sideways'",
+        ),
+    ],
+)
+def test_a_csv_file_that_is_no_table_is_refused(text, reason, tmp_path):
+    (tmp_path / CSV_NAME).write_text(text)
+    with pytest.raises(ToonkitError, match=f"source {reason}"):
+        load_trials(tmp_path)

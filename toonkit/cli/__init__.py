@@ -6,8 +6,6 @@ Everything heavy is imported inside the commands, so that `toonkit --version` an
 from __future__ import annotations
 
 import argparse
-import io
-import os
 import re
 import sys
 import warnings
@@ -19,6 +17,7 @@ from toonkit._validation import ToonkitError, ToonkitWarning, expand_home, refus
 from toonkit.cli.dashboard import add_dashboard_command
 from toonkit.cli.lights import parse_light
 from toonkit.cli.progress import StepBar, show_warning
+from toonkit.cli.streams import complain, discard_output, prepare_streams
 from toonkit.cli.study import add_study_commands
 
 if TYPE_CHECKING:
@@ -35,6 +34,7 @@ SAMPLE_PREFIX = "sample:"
 UNSURE = 0.5
 """Confidence in an estimated light below which the summary says that it is a guess."""
 
+_EXIT_FAILED = 1
 _EXIT_REFUSED = 2
 _EXIT_INTERRUPTED = 130
 _EXIT_UNREAD = 141  # as a shell tells that whoever read the output went away
@@ -52,38 +52,45 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 if all went well, 2 if the input was refused (one line on stderr says why), 130 if interrupted, 141 if nobody
-        read the summary to its end.
+        0 if all went well, 1 if the system failed, such as a full disk under the summary, 2 if the input was refused (one
+        line on stderr says why), 130 if interrupted, 141 if nobody read the summary to its end.
     """
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(
-            errors="replace"
-        )  # a terminal may not have every sign of the summary, such as the degree
+    prepare_streams()
     try:
-        arguments = _parser().parse_args(_joined_lights(sys.argv[1:] if argv is None else argv))
-        with warnings.catch_warnings():
-            warnings.simplefilter("always", ToonkitWarning)
-            warnings.showwarning = show_warning
-            status = int(arguments.run(arguments))
+        status = _run(sys.argv[1:] if argv is None else argv)
         sys.stdout.flush()
         return status
     except BrokenPipeError:
-        os.dup2(
-            os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno()
-        )  # or Python complains once more as it ends
+        discard_output()
         return _EXIT_UNREAD
+    except OSError as error:
+        discard_output()
+        complain(f"error: {error.filename or 'standard output'}: {error.strerror or error}")
+        return _EXIT_FAILED
+
+
+def _run(argv: Sequence[str]) -> int:
+    try:
+        arguments = _parser().parse_args(_joined_lights(argv))
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", ToonkitWarning)
+            warnings.showwarning = show_warning
+            return int(arguments.run(arguments))
     except ToonkitError as error:
-        message = " ".join(str(error).split())
-        print(f"toonkit: error: {message}", file=sys.stderr)
+        complain(f"error: {error}")
         return _EXIT_REFUSED
     except KeyboardInterrupt:
-        print("toonkit: interrupted", file=sys.stderr)
+        complain("interrupted")
         return _EXIT_INTERRUPTED
     except SystemExit as stop:  # argparse, after --help or a usage error
         return stop.code if isinstance(stop.code, int) else _EXIT_REFUSED
 
 
 class _Parser(argparse.ArgumentParser):
+    def print_help(self, file: Any = None) -> None:
+        """Print the help; argparse by itself hides that it could not be written."""
+        print(self.format_help(), end="", file=file)
+
     def error(self, message: str) -> NoReturn:
         """Say what is wrong in one line, without the usage."""
         self.exit(_EXIT_REFUSED, f"toonkit: error: {message} (see {self.prog} --help)\n")

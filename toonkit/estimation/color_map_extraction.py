@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from toonkit._validation import describe_value, refuse, same_shape
+from toonkit._validation import any_array, describe_value, refuse, same_shape
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
@@ -49,7 +49,7 @@ def extract_color_map(image: ToonImage | PreparedDrawing, stroke: ArrayLike) -> 
     [1.0, 0.8, 0.6]
     """
     drawing = prepare(image)
-    passes = np.asarray(stroke)
+    passes = any_array("stroke", stroke)
     if passes.ndim != 2 or passes.dtype != np.bool_:
         raise refuse("stroke", "must be a (H, W) bool array, such as array > 0", describe_value(passes))
     same_shape("stroke", passes.shape, drawing.shape, "the picture")

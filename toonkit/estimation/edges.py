@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from toonkit._validation import FloatArray
 from toonkit.model.color_map import IlluminationInterval
+from toonkit.numerics.compiled import njit
 from toonkit.numerics.masked_grid import Links, MaskedGrid
 
 

@@ -29,6 +29,22 @@ MARGIN_PER_EXCESS = 2.0
 """Largest margin, as a multiple of the root mean square by which the start misses its intervals."""
 
 
+TINY, HUGE = 1e-6, 1e12
+"""Limits of what a refinement divides by: beyond them nothing changes, and squares would leave the range of floats."""
+
+LIMITS = {
+    "margin": (0.0, 2.0, "illumination spans 2"),
+    "change_length": (0.0, 1e3, "it is relative to the object"),
+    "change_reach": (1e-3, 1e6, "it is relative to the object"),
+    "integrability_length": (0.0, 1e3, "it is relative to the object"),
+    "crease_turn": (TINY, HUGE, "beyond, all links are alike"),
+    "color_jump": (TINY, HUGE, "beyond, all links are alike"),
+    "rim_hold": (0.0, 1e6, "1 is as firmly as neighbors hold each other"),
+    "tolerance": (1e-15, 1.0, "it is a share of the energy"),
+}
+"""Least and greatest value of each option of a refinement, and why."""
+
+
 @dataclass(frozen=True)
 class RefinementOptions:
     """
@@ -58,6 +74,11 @@ class RefinementOptions:
     tolerance : float
         Relative decrease of the energy in one cycle of the solver at which it stops: all others together would gain less
         than that.
+
+    Raises
+    ------
+    ToonkitError
+        If an option lies outside its `LIMITS`.
     """
 
     margin: float = 0.05
@@ -70,14 +91,11 @@ class RefinementOptions:
     tolerance: float = 0.04
 
     def __post_init__(self) -> None:
-        for name in ("margin", "change_length", "integrability_length", "rim_hold"):
+        for name, (least, most, why) in LIMITS.items():
             value = getattr(self, name)
-            if not is_number(value) or value < 0:
-                raise refuse(name, "must be a number >= 0", value)
-        for name in ("crease_turn", "color_jump", "change_reach", "tolerance"):
-            value = getattr(self, name)
-            if not is_number(value) or value <= 0:
-                raise refuse(name, "must be a number > 0", value)
+            if not is_number(value) or not least <= value <= most:
+                raise refuse(name, f"must be a number from {least:g} to {most:g} ({why})", value)
+            object.__setattr__(self, name, float(value))
 
 
 def printed_energy(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toonkit._validation import FloatArray, same_mask
+from toonkit._validation import FloatArray, check_unit_light, is_number, of_type, refuse, same_mask
 from toonkit.estimation.light_prior import LightBelief, believed_light
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.estimation.shape_prior import misfit
@@ -52,10 +52,20 @@ class LightEstimate:
         Unit vector from the surface to the light.
     confidence : float
         Probability, as the estimator believes, that the true light is within 10 degrees of it; 0 to 1.
+
+    Raises
+    ------
+    ToonkitError
+        If the light is no unit vector with z >= 0, or the confidence no number from 0 to 1.
     """
 
     light: FloatArray
     confidence: float
+
+    def __post_init__(self) -> None:
+        check_unit_light("light", self.light)
+        if not is_number(self.confidence) or not 0 <= self.confidence <= 1:
+            raise refuse("confidence", "must be a number from 0 to 1", self.confidence)
 
     def __repr__(self) -> str:
         return f"LightEstimate({describe_light(self.light)}, confidence {self.confidence:.2f})"
@@ -95,6 +105,7 @@ def estimate_light(
     """
     drawing = prepare(image)
     if initial_normals is not None:
+        of_type("initial_normals", initial_normals, NormalField)
         same_mask("initial_normals", initial_normals.mask, drawing.image.mask, "the picture")
     shaded = drawing.gray.hidden == 0
     shades = drawing.gray.tone[shaded]
@@ -103,10 +114,10 @@ def estimate_light(
     normals = drawing.initial_normals if initial_normals is None else initial_normals
     with single_threaded_blas():
         belief = sharpen(believed_light(drawing, normals), drawing, normals)
-    azimuth = np.rad2deg(np.arctan2(belief.light[1], belief.light[0]))
-    elevation = np.rad2deg(np.arcsin(np.clip(belief.light[2], -1.0, 1.0)))
-    light = light_direction(float(azimuth), float(max(elevation, LOWEST_ELEVATION)))
-    share = _explained_share(normals.compact[shaded] @ light, shades)
+        azimuth = np.rad2deg(np.arctan2(belief.light[1], belief.light[0]))
+        elevation = np.rad2deg(np.arcsin(np.clip(belief.light[2], -1.0, 1.0)))
+        light = light_direction(float(azimuth), float(max(elevation, LOWEST_ELEVATION)))
+        share = _explained_share(normals.compact[shaded] @ light, shades)
     return LightEstimate(light, belief.probability_within(CLOSE) * min(share / PLAUSIBLE, 1.0))
 
 

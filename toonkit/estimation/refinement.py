@@ -13,6 +13,7 @@ from toonkit._validation import (
     BoolArray,
     FloatArray,
     as_coverage,
+    check_callable,
     of_type,
     refuse,
     same_mask,
@@ -29,6 +30,9 @@ from toonkit.numerics.smoothness_energy import SmoothnessEnergy
 from toonkit.numerics.unit_field import solve_unit_field
 
 Progress = Callable[[float], None]
+
+FARTHEST = 2.0
+"""How far from zero a bound of illumination may lie: with a margin, somewhat beyond what a light makes."""
 
 NEGLIGIBLE = 1.5e-5
 """Squared illumination, a step of an 8-bit picture: a cycle that gains less than this per pixel is the last."""
@@ -110,6 +114,7 @@ def refine(
     if guess is not None:
         of_type("guess", guess, NormalField)
         same_mask("guess", guess.mask, initial_normals.mask, "the initial normals")
+    check_callable("progress", progress)
     mask = initial_normals.mask
     direction, allowed = direction_of("light", light), _on_object(interval, mask)
     coverage = (
@@ -220,4 +225,7 @@ def _on_object(interval: IlluminationInterval, mask: BoolArray) -> IlluminationI
         same_shape(name, bound.shape, mask.shape, "the normals")
         if not np.isfinite(bound[mask]).all():
             raise refuse(name, "must be known and finite on the object", "NaN or infinite values")
+        if np.abs(bound[mask]).max() > FARTHEST:
+            rule = f"must lie in [-{FARTHEST:g}, {FARTHEST:g}] (illumination lies in [-1, 1])"
+            raise refuse(name, rule, f"{bound[mask].min():.4g} to {bound[mask].max():.4g}")
     return IlluminationInterval(interval.lower[mask], interval.upper[mask])

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray
+from toonkit.numerics.compiled import njit
 from toonkit.numerics.masked_grid import OUTSIDE, MaskedGrid
 
 SIZE = 96

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from PIL import Image
 
-from toonkit._validation import is_number, refuse
+from toonkit._validation import check_callable, is_count, is_number, of_type, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.model.light import light_angles, light_direction
@@ -69,7 +69,9 @@ def write_orbit(
     The first frame has the azimuth of the analyzed light, which then turns counter-clockwise.
     """
     suffix = suffix_of(path, (".gif", ".webp", ".apng", ".png"))
-    if not isinstance(frames, int | np.integer) or not 2 <= frames <= MOST_FRAMES:
+    of_type("analysis", analysis, ToonAnalysis)
+    check_callable("progress", progress)
+    if not is_count(frames, 2, MOST_FRAMES):
         raise refuse("frames", f"must be a whole number from 2 to {MOST_FRAMES}", frames)
     azimuth, analyzed_elevation = light_angles(analysis.light)
     if elevation is None:

@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
-import zipfile
-import zlib
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from toonkit._validation import BoolArray, FloatArray, ToonkitError, expand_home, refuse
+from toonkit._validation import (
+    BoolArray,
+    FloatArray,
+    ToonkitError,
+    as_mask,
+    as_path,
+    expand_home,
+    of_type,
+    refuse,
+)
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.light_fit import LightEstimate
-from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.estimation.preparation import MOST_PIXELS, PreparedDrawing, prepare
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
+from toonkit.export.npz import Arrays
 from toonkit.model.color_map import ColorMap
+from toonkit.model.decoding import MAX_PIXELS
 from toonkit.model.image import ToonImage
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
@@ -26,8 +35,14 @@ FORMAT_VERSION = 2
 ONE_MATERIAL_VERSION = 1
 """Archives with one color map for the whole drawing, which are still read."""
 
-# What numpy raises for a file that is cut off, altered, a bare .npy array (no context manager) or pickled.
-_DAMAGED = (OSError, ValueError, EOFError, TypeError, AttributeError, zipfile.BadZipFile, zlib.error)
+MOST_COLORS = 1 << 22
+"""Tones, or samples of color maps, of all materials together at most, where they are not four for each pixel."""
+
+MOST_ENERGIES, MOST_CHARACTERS = 1_000_000, 10_000
+"""Energies in a report, and characters in a text, at most."""
+
+MOST_NAMES = 8
+"""How many arrays a message names."""
 
 
 def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
@@ -44,8 +59,9 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
     Raises
     ------
     ToonkitError
-        If the suffix is another or the file cannot be written.
+        If the analysis is none, the suffix is another or the file cannot be written.
     """
+    of_type("analysis", analysis, ToonAnalysis)
     suffix_of(path, (".npz",))
     image, report, estimate = analysis.image, analysis.report, analysis.light_estimate
     touched = (image.alpha > 0) & ~image.mask
@@ -90,68 +106,98 @@ def load_analysis(path: PathLike) -> ToonAnalysis:
     ToonkitError
         If the file is missing, damaged, no archive of an analysis, or of another version.
     """
-    file = expand_home(path)
+    file = expand_home(as_path("path", path))
     if not file.is_file():
         raise refuse("path", "must be an archive of an analysis", f"{path}, which is not a file")
-    if not zipfile.is_zipfile(file):  # else numpy takes it for a pickle, and advises to load that unsafely
-        raise refuse(
-            "path", "must be an undamaged archive of an analysis", f"{path}, which is damaged or none"
-        )
     try:
-        # Opened here, because numpy leaves a damaged file open.
-        with file.open("rb") as opened, np.load(opened, allow_pickle=False) as archive:
-            fields = dict(archive.items())
-    except _DAMAGED as error:
+        with file.open("rb") as opened:
+            arrays = Arrays(opened)
+            version = _version(arrays, path)
+            try:
+                return _assemble(arrays, version)
+            except ToonkitError as error:
+                raise refuse(
+                    "path", "must be a complete archive of an analysis", f"{path} ({error})"
+                ) from error
+    except (MemoryError, ToonkitError):
+        raise
+    except Exception as error:  # zipfile and zlib raise nearly every type there is for a damaged file
         raise refuse("path", "must be an undamaged archive of an analysis", f"{path} ({error})") from error
-    if "format_version" not in fields:
-        raise refuse("path", "must be an archive of an analysis", f"{path}, which holds {sorted(fields)}")
-    version = fields["format_version"]
-    if version.shape != () or version not in (ONE_MATERIAL_VERSION, FORMAT_VERSION):
-        rule = f"must be of version {FORMAT_VERSION} (written by this toonkit) or {ONE_MATERIAL_VERSION}"
-        raise refuse("path", rule, f"{path} of version {version}")
+
+
+def _version(arrays: Arrays, path: PathLike) -> int:
+    if "format_version" not in arrays.names:
+        held = ", ".join(arrays.names[:MOST_NAMES]) or "nothing"
+        raise refuse("path", "must be an archive of an analysis", f"{path}, which holds {held}")
+    rule = f"must be of version {FORMAT_VERSION} (written by this toonkit) or {ONE_MATERIAL_VERSION}"
     try:
-        return _assemble(fields)
-    except (KeyError, IndexError, TypeError, ToonkitError, ValueError) as error:
-        raise refuse("path", "must be a complete archive of an analysis", f"{path} ({error})") from error
+        version = int(arrays.read("format_version", "i"))
+    except ToonkitError as error:
+        raise refuse("path", rule, f"{path} ({error})") from error
+    if version not in (ONE_MATERIAL_VERSION, FORMAT_VERSION):
+        raise refuse("path", rule, f"{path} of version {version}")
+    return version
 
 
-def _assemble(fields: dict[str, NDArray[Any]]) -> ToonAnalysis:
-    mask, alpha = fields["mask"], fields["alpha"]
-    confidence = float(fields.get("light_confidence", np.array(np.nan)))
+def _assemble(arrays: Arrays, version: int) -> ToonAnalysis:
+    """Read one array after the other: the mask says how large the others are."""
+    mask = as_mask("mask", arrays.read("mask", "b", None, None, most=MAX_PIXELS))
+    pixels = int(mask.sum())
+    if pixels > MOST_PIXELS:
+        raise refuse("mask", f"must have at most {MOST_PIXELS:,} object pixels", f"{pixels:,}")
+    alpha = arrays.read("alpha", "f", *mask.shape)
+    touched = (alpha > 0) & ~mask
     image = ToonImage(
-        _spread(fields["color"], mask),
+        _spread(arrays.read("color", "f", pixels, 3), mask),
         mask,
         alpha=alpha,
-        fringe=_spread(fields["fringe"], (alpha > 0) & ~mask),
+        fringe=_spread(arrays.read("fringe", "f", int(touched.sum()), 3), touched),
     )
-    if fields["format_version"] == ONE_MATERIAL_VERSION:
-        domain = tuple(fields["color_map_domain"].tolist())
-        materials = Materials.single(mask, ColorMap(fields["color_map_colors"], domain))
-    else:
-        materials = _materials(fields, mask)
+    materials = (
+        Materials.single(mask, _only_color_map(arrays))
+        if version == ONE_MATERIAL_VERSION
+        else _materials(arrays, mask)
+    )
+    light = arrays.read("light", "f", 3)
+    confidence = float(arrays.read("light_confidence", "f")) if "light_confidence" in arrays.names else np.nan
     return ToonAnalysis(
         image=image,
-        method=str(fields["method"]),
-        light=fields["light"],
-        normals=NormalField(_spread(fields["normals"], mask), mask),
-        initial_normals=NormalField(_spread(fields["initial_normals"], mask), mask),
+        method=str(arrays.read("method", "U", most=MOST_CHARACTERS)),
+        light=light,
+        normals=NormalField(_spread(arrays.read("normals", "f", pixels, 3), mask), mask),
+        initial_normals=NormalField(_spread(arrays.read("initial_normals", "f", pixels, 3), mask), mask),
         materials=materials,
-        report=SolverReport(
-            iterations=int(fields["report_iterations"]),
-            energies=fields["report_energies"],
-            reason=str(fields["report_reason"]),
-            converged=bool(fields["report_converged"]),
-        ),
-        light_estimate=None if np.isnan(confidence) else LightEstimate(fields["light"], confidence),
+        report=_report(arrays),
+        light_estimate=None if np.isnan(confidence) else LightEstimate(light, confidence),
         drawing=_drawing(image, materials),
+    )
+
+
+def _report(arrays: Arrays) -> SolverReport:
+    iterations = int(arrays.read("report_iterations", "i"))
+    energies = arrays.read("report_energies", "f", None, most=MOST_ENERGIES)
+    if iterations < 0:
+        raise refuse("report_iterations", "must be a number >= 0", iterations)
+    if not np.isfinite(energies).all():
+        raise refuse("report_energies", "must be finite", "NaN or infinite values")
+    return SolverReport(
+        iterations=iterations,
+        energies=energies,
+        reason=str(arrays.read("report_reason", "U", most=MOST_CHARACTERS)),
+        converged=bool(arrays.read("report_converged", "b")),
     )
 
 
 def _drawing(image: ToonImage, materials: Materials) -> PreparedDrawing:
     """Prepare a drawing again. Materials that toonkit finds are not given, or it would unmix what is beside ink anew."""
     drawing = prepare(image)
-    found = np.array_equal(drawing.materials.labels, materials.labels)
-    return drawing if found else prepare(image, materials=materials.labels)
+    if not np.array_equal(drawing.materials.labels, materials.labels):
+        drawing = prepare(image, materials=materials.labels)
+    if drawing.materials.count != materials.count:
+        raise refuse(
+            "material_labels", f"must be those of {materials.count} materials", drawing.materials.count
+        )
+    return drawing
 
 
 def _material_fields(analysis: ToonAnalysis) -> dict[str, NDArray[Any]]:
@@ -167,33 +213,41 @@ def _material_fields(analysis: ToonAnalysis) -> dict[str, NDArray[Any]]:
     }
 
 
-def _materials(fields: dict[str, NDArray[Any]], mask: BoolArray) -> Materials:
-    inside, flat = fields["material_labels"], fields["material_flat"]
-    if inside.shape != (int(mask.sum()),) or inside.dtype.kind != "i":
-        raise ValueError("its material labels are not one integer for each pixel of the object")
-    if flat.ndim != 1 or flat.dtype != np.bool_:
-        raise ValueError("it does not say which materials are flat")
-    if inside.min() < 0 or inside.max() >= len(flat):
-        raise ValueError(f"its material labels are not numbers from 0 to {len(flat) - 1}")
+def _only_color_map(arrays: Arrays) -> ColorMap:
+    low, high = arrays.read("color_map_domain", "f", 2).tolist()
+    return ColorMap(arrays.read("color_map_colors", "f", None, 3, most=3 * MOST_COLORS), (low, high))
+
+
+def _materials(arrays: Arrays, mask: BoolArray) -> Materials:
+    pixels = int(mask.sum())
+    flat = arrays.read("material_flat", "b", None, most=pixels)
+    count = len(flat)
     labels = np.full(mask.shape, -1, np.intp)
-    labels[mask] = inside
-    tones = _split(fields["material_tones"], fields["material_tone_counts"], len(flat))
-    colors = _split(fields["color_map_colors"], fields["color_map_counts"], len(flat))
-    domains = fields["color_map_domains"].tolist()
+    labels[mask] = arrays.read("material_labels", "i", pixels)
+    if labels[mask].min() < 0:
+        raise refuse("material_labels", "must be known on the object", "negative numbers")
+    most = max(MOST_COLORS, 4 * pixels)
+    tones = _split(arrays, "material_tones", arrays.read("material_tone_counts", "i", count), most)
+    colors = _split(arrays, "color_map_colors", arrays.read("color_map_counts", "i", count), most)
+    domains = arrays.read("color_map_domains", "f", count, 2).tolist()
     return Materials(
         labels,
         tuple(tones),
         flat,
-        tuple(ColorMap(samples, tuple(domain)) for samples, domain in zip(colors, domains, strict=True)),
+        tuple(ColorMap(samples, (low, high)) for samples, (low, high) in zip(colors, domains, strict=True)),
     )
 
 
-def _split(colors: NDArray[Any], counts: NDArray[Any], materials: int) -> list[NDArray[Any]]:
-    """Cut colors (n, 3) into those of each material."""
-    fits = counts.shape == (materials,) and counts.dtype.kind == "i" and (counts > 0).all()
-    if not fits or colors.shape != (counts.sum(), 3):
-        raise ValueError("its colors are not those of its materials")
-    return np.split(colors, np.cumsum(counts)[:-1])
+def _split(arrays: Arrays, name: str, counts: NDArray[Any], most: int) -> list[NDArray[Any]]:
+    """Read colors (n, 3), and cut them into those of each material."""
+    if counts.size and (counts.min() < 1 or counts.max() > most):
+        raise refuse(
+            name, f"must be 1 to {most:,} for each material", f"{counts.min():,} to {counts.max():,}"
+        )
+    total = int(counts.sum(dtype=np.int64))
+    if total > most:
+        raise refuse(name, f"must be at most {most:,}", f"{total:,}")
+    return np.split(arrays.read(name, "f", total, 3), np.cumsum(counts)[:-1])
 
 
 def _spread(values: FloatArray, where: BoolArray) -> FloatArray:

@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 
-from toonkit._validation import ToonkitError, refuse
+from toonkit._validation import ToonkitError, of_type, refuse
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.export.picture import encode_picture
 from toonkit.model.color_map import ColorMap
@@ -41,6 +41,7 @@ def write_color_map(color_map: ColorMap, path: PathLike) -> None:
     ToonkitError
         If the suffix is another or the file cannot be written.
     """
+    of_type("color_map", color_map, ColorMap)
     suffix = suffix_of(path, (".png", ".json"))
     content = _json("toonkit color map", **_samples(color_map)) if suffix == ".json" else _strips([color_map])
     with atomic_write(path) as file:
@@ -64,6 +65,9 @@ def write_color_maps(materials: Materials, path: PathLike) -> None:
     ToonkitError
         If the suffix is another or the file cannot be written.
     """
+    of_type("materials", materials, Materials)
+    if not materials.color_maps:
+        raise refuse("materials", "must have a color map each", "none")
     suffix = suffix_of(path, (".png", ".json"))
     by_area = np.argsort(-materials.shares, kind="stable").tolist()
     if suffix == ".json":
@@ -118,7 +122,7 @@ def read_color_map(path: PathLike) -> ColorMap:
         raise refuse("path", f"must be of version {FORMAT_VERSION}", f"{path} of version {version}")
     try:
         return ColorMap(np.array(found["colors"], dtype=np.float64), tuple(found["domain"]))
-    except (KeyError, TypeError, ToonkitError, ValueError) as error:
+    except (KeyError, OverflowError, TypeError, ToonkitError, ValueError) as error:
         raise refuse("path", "must hold colors and a domain", f"{path} ({error})") from error
 
 

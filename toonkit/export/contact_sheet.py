@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from toonkit._validation import FloatArray, as_light, refuse
+from toonkit._validation import FloatArray, as_light, of_type, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.color_map import ColorMap
 from toonkit.model.label_colors import label_picture
@@ -86,8 +86,11 @@ def contact_sheet(
     Raises
     ------
     ToonkitError
-        If there is no light, or one is zero, not finite or from behind.
+        If the analysis is none, there is no light, or one is zero, not finite or from behind.
     """
+    of_type("analysis", analysis, ToonAnalysis)
+    if lights is not None and not isinstance(lights, Iterable):
+        raise refuse("lights", "must be a sequence of lights", type(lights).__name__)
     directions = [light_direction(*angles) for angles in STANDARD_LIGHTS] if lights is None else list(lights)
     if not directions:
         raise refuse("lights", "must hold at least one light", "none")

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from toonkit._validation import expand_home, refuse
+from toonkit._validation import as_path, expand_home, of_type, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.export.archive import save_analysis
 from toonkit.export.atomic import PathLike
@@ -52,6 +52,7 @@ def make_folder(path: PathLike) -> Path:
     ToonkitError
         If it has no name, a file is in its place, or the disk refuses.
     """
+    as_path("folder", path)
     if not str(path).strip():
         raise refuse("folder", "must have a name", "an empty one")
     folder = expand_home(path)
@@ -99,6 +100,7 @@ def write_analysis_folder(
     ToonkitError
         If the folder cannot be written to, or there is no such engine.
     """
+    of_type("analysis", analysis, ToonAnalysis)
     if engine is not None and engine not in ENGINES:
         raise refuse("engine", f"must be one of {', '.join(ENGINES)}", repr(engine))
     target = make_folder(folder)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from toonkit._validation import of_type
 from toonkit.estimation.preparation import PreparedDrawing
 
 
@@ -21,7 +22,13 @@ def line_art(drawing: PreparedDrawing) -> NDArray[np.uint8]:
     -------
     ndarray of uint8, shape (H, W, 4)
         RGBA: the color of the ink, and as straight alpha how much of each pixel it covers.
+
+    Raises
+    ------
+    ToonkitError
+        If the drawing is not prepared.
     """
+    of_type("drawing", drawing, PreparedDrawing)
     image, color, coverage = drawing.image, drawing.ink_color, drawing.ink_coverage
     # Line art continues to where the object's soft outline ends.
     for values in (color, coverage):

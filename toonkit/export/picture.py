@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from toonkit._validation import refuse
+from toonkit._validation import any_array, refuse
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.model.image import ToonImage
 
@@ -32,10 +32,12 @@ def write_picture(picture: ToonImage | NDArray[np.uint8], path: PathLike) -> Non
         If the suffix is another, the array is not a uint8 picture, or the file cannot be written.
     """
     suffix = suffix_of(path, (".png", ".webp"))
-    pixels = picture.to_rgba() if isinstance(picture, ToonImage) else np.asarray(picture)
+    pixels = picture.to_rgba() if isinstance(picture, ToonImage) else any_array("picture", picture)
     if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[-1] not in (3, 4):
         shown = f"shape {pixels.shape}, dtype {pixels.dtype}"
         raise refuse("picture", "must be a ToonImage or a uint8 array of shape (H, W, 3 or 4)", shown)
+    if 0 in pixels.shape:
+        raise refuse("picture", "must have pixels", f"shape {pixels.shape}")
     if suffix == ".webp" and max(pixels.shape) > _WEBP_LONGEST_SIDE:
         raise refuse("path", f"must end in .png for sides over {_WEBP_LONGEST_SIDE} pixels", f"{path}")
     with atomic_write(path) as file:

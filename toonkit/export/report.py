@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from toonkit._validation import of_type, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
@@ -31,7 +32,13 @@ def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
         "versions", "method", "light" (unit vector, degrees, whether it was estimated and with what confidence), "picture"
         (pixels; share of the object that is ink), "materials" (share of the object, tones, color map of each) and "solver"
         (iterations, energies, why it stopped).
+
+    Raises
+    ------
+    ToonkitError
+        If the analysis is none.
     """
+    of_type("analysis", analysis, ToonAnalysis)
     import toonkit  # noqa: PLC0415  # at call time, because the package's own __init__ stands above this module
 
     azimuth, elevation = light_angles(analysis.light)
@@ -116,8 +123,12 @@ def write_report(report: dict[str, Any], path: PathLike) -> None:
     Raises
     ------
     ToonkitError
-        If the suffix is another or the file cannot be written.
+        If the report holds what JSON cannot, the suffix is another, or the file cannot be written.
     """
     suffix_of(path, (".json",))
+    try:
+        text = json.dumps(report, indent=2)
+    except (RecursionError, TypeError, ValueError) as error:
+        raise refuse("report", "must hold what JSON can", f"{error}") from error
     with atomic_write(path) as file:
-        file.write(json.dumps(report, indent=2).encode() + b"\n")
+        file.write(text.encode() + b"\n")

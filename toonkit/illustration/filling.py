@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray
 from toonkit.model.oklab import Lab
+from toonkit.numerics.compiled import njit
 
 Labels = NDArray[np.int32]
 

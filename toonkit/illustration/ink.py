@@ -289,6 +289,8 @@ def _has_only_lines(frame: Frame, coverage: FloatArray) -> bool:
     if not coverage.any():
         return False
     paint = frame.mask & (coverage < PAINT)
+    if not paint.any():
+        return True
     width = 2 * max(1, int(WIDEST * frame.size)) + 1
     if frame.size > TINY and not ndimage.minimum_filter(paint, width).any():
         return True

@@ -11,12 +11,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from scipy import ndimage
 
 from toonkit._validation import BoolArray
 from toonkit.illustration.filling import Labels, nearest_sources
 from toonkit.model.oklab import Lab
+from toonkit.numerics.compiled import njit
 
 SAME = 0.012
 """OKLab distance within which neighbors are painted alike: three steps of an 8-bit channel."""

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from numpy.typing import ArrayLike
 
-from toonkit._validation import of_type, one_of, refuse, same_mask
+from toonkit._validation import check_callable, of_type, one_of, refuse, same_mask
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.light_fit import estimate_light
 from toonkit.estimation.preparation import PreparedDrawing, prepare
@@ -114,6 +114,7 @@ def analyze(
     one_of("method", method, METHODS)
     if previous is not None:
         of_type("previous", previous, ToonAnalysis)
+    check_callable("progress", progress)
     if isinstance(image, (str, PathLike)):
         image = load_image(image)
     direction = None if light is None else direction_of("light", light)

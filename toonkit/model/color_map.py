@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from toonkit._validation import FloatArray, as_array, refuse
+from toonkit._validation import FloatArray, as_array, as_real, is_count, is_number, refuse
 from toonkit.model.description import preview_png
 from toonkit.model.luminance import hex_color, tone
 
@@ -20,6 +20,12 @@ INVERSE_SAMPLES = 1024
 
 PREVIEW_SIZE = (32, 512)
 """Height and width, in pixels, of the strip that notebooks show: illumination -1 at its left end to +1 at its right."""
+
+NARROWEST = 1e-9
+"""Least width of a color map's domain: the steps of a narrower one are lost in rounding."""
+
+MOST_SAMPLES = 1 << 20
+"""Samples of a resampled map at most, more than a thousand times those of a fitted one."""
 
 HALF_STEP = 0.5 / 255
 """Half a step of an 8-bit picture: colors closer than this were painted alike."""
@@ -38,14 +44,14 @@ class IlluminationInterval:
     Raises
     ------
     ToonkitError
-        If the bounds differ in shape, or a lower bound lies above its upper one.
+        If the bounds are no real numbers, differ in shape, or a lower bound lies above its upper one.
     """
 
     lower: FloatArray
     upper: FloatArray
 
     def __post_init__(self) -> None:
-        lower, upper = (np.asarray(bound, dtype=np.float64) for bound in (self.lower, self.upper))
+        lower, upper = as_real("lower", self.lower, copy=False), as_real("upper", self.upper, copy=False)
         if lower.shape != upper.shape:
             raise refuse("upper", f"must have the shape of lower {lower.shape}", upper.shape)
         if (lower > upper).any():
@@ -102,6 +108,8 @@ class ColorMap:
         ends = as_array("domain", self.domain, (2,))
         if not (np.isfinite(ends).all() and -1 <= ends[0] < ends[1] <= 1):
             raise refuse("domain", "must be (lo, hi) with -1 <= lo < hi <= 1", tuple(ends.tolist()))
+        if ends[1] - ends[0] < NARROWEST:
+            raise refuse("domain", f"must be at least {NARROWEST:g} wide", tuple(ends.tolist()))
         colors = np.clip(colors, 0.0, 1.0)
         tones = tone(colors)
         dip = float((np.maximum.accumulate(tones) - tones).max())
@@ -134,9 +142,9 @@ class ColorMap:
         """
         Colors at the given illumination (any shape (...)): sRGB, shape (..., 3); NaN stays NaN.
 
-        Values outside the domain take the color at its nearer end.
+        Values outside the domain take the color at its nearer end. Raises ToonkitError for anything but real numbers.
         """
-        value = np.asarray(illumination, dtype=np.float64)
+        value = as_real("illumination", illumination, copy=False)
         lo, hi = self.domain
         count = len(self.colors)
         if count == 1:
@@ -168,11 +176,18 @@ class ColorMap:
         Raises
         ------
         ToonkitError
-            If the tolerance is negative.
+            If the tolerance is negative, or the color is no sRGB in [0, 1].
         """
-        if not tolerance >= 0:
+        if not is_number(tolerance) or tolerance < 0:
             raise refuse("tolerance", "must be a number >= 0", tolerance)
-        tones = tone(np.asarray(color, dtype=np.float64))
+        painted = as_real("color", color, copy=False)
+        if painted.ndim == 0 or painted.shape[-1] != 3:
+            raise refuse("color", "must have shape (..., 3)", painted.shape)
+        if (painted < -1e-9).any() or (painted > 1 + 1e-9).any():
+            raise refuse(
+                "color", "must be sRGB in [0, 1]", f"{np.nanmin(painted):.4g} to {np.nanmax(painted):.4g}"
+            )
+        tones = tone(np.clip(painted, 0.0, 1.0))
         return self.allowed(tones - tolerance, tones + tolerance)
 
     def allowed(self, darkest: FloatArray, brightest: FloatArray) -> IlluminationInterval:
@@ -188,7 +203,15 @@ class ColorMap:
         -------
         IlluminationInterval
             Bounds of shape (...).
+
+        Raises
+        ------
+        ToonkitError
+            If a tone is no real number.
         """
+        darkest, brightest = (
+            as_real(*tones, copy=False) for tones in (("darkest", darkest), ("brightest", brightest))
+        )
         where, highest_so_far, lowest_to_come = self._tone_envelopes
         # Where the tones of a band are all the same, `interp` takes their last sample; backward it takes the first.
         lower = np.interp(-darkest, -highest_so_far[::-1], where[::-1])
@@ -215,6 +238,6 @@ class ColorMap:
 
     def resampled(self, count: int) -> ColorMap:
         """Return the same map with `count` >= 2 evenly spaced samples over the same domain."""
-        if count < 2:
-            raise refuse("count", "must be at least 2", count)
+        if not is_count(count, 2, MOST_SAMPLES):
+            raise refuse("count", f"must be a whole number from 2 to {MOST_SAMPLES:,}", count)
         return ColorMap(self(np.linspace(*self.domain, count)), self.domain)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageCms, UnidentifiedImageError
 
-from toonkit._validation import FloatArray, ToonkitError, refuse
+from toonkit._validation import FloatArray, ToonkitError, any_array, refuse
 from toonkit.model import png, tiff
 from toonkit.model.color_space import ColorSpace, to_srgb
 from toonkit.model.file_bytes import read_bytes
@@ -129,10 +129,7 @@ def unit_range(argument: str, array: NDArray[Any]) -> FloatArray:
 
 
 def _from_array(argument: str, source: ArrayLike, min_side: int) -> Pixels:
-    try:
-        array = np.asarray(source)
-    except ValueError as error:
-        raise refuse(argument, "must be a rectangular array", "rows of different lengths") from error
+    array = any_array(argument, source)
     if array.ndim == 2:
         array = array[..., None]
     if array.dtype.kind not in "biuf" or array.ndim != 3 or array.shape[-1] not in (1, 2, 3, 4):

@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from toonkit._validation import any_array, refuse
 from toonkit.model.oklab import oklab_to_srgb
+
+MOST_NUMBER = 1 << 24
+"""Largest number that is painted: there are no more colors than that."""
 
 CHROMA, DARKEST, BRIGHTEST = 0.13, 0.62, 0.86
 """OKLab chroma of the colors, and their lightness, of which each takes one of three steps."""
@@ -27,11 +31,22 @@ def label_picture(labels: NDArray[np.integer]) -> NDArray[np.uint8]:
     ndarray of uint8, shape (H, W, 4)
         RGBA: successive numbers far apart in hue, always in the same color; transparent at -1.
 
+    Raises
+    ------
+    ToonkitError
+        If the labels are no such numbers.
+
     Examples
     --------
     >>> label_picture(np.array([[-1, 0, 1]]))[0, :, 3].tolist()
     [0, 255, 255]
     """
+    array = any_array("labels", labels)
+    if array.ndim != 2 or array.dtype.kind not in "iu" or array.size == 0:
+        raise refuse("labels", "must be an (H, W) array of integers", f"shape {array.shape}, {array.dtype}")
+    if array.max() > MOST_NUMBER:
+        raise refuse("labels", f"must be numbers up to {MOST_NUMBER:,}", int(array.max()))
+    labels = array.astype(np.intp)
     number = np.arange(int(labels.max()) + 1)
     hue = number * _GOLDEN_ANGLE
     lightness = DARKEST + (BRIGHTEST - DARKEST) * (number % 3) / 2

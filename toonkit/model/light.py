@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from toonkit._validation import FloatArray, as_light, is_number, refuse
+from toonkit._validation import FloatArray, ToonkitError, any_array, as_light, is_number, refuse
 
 
 def light_direction(azimuth: float, elevation: float) -> FloatArray:
@@ -41,7 +43,8 @@ def light_direction(azimuth: float, elevation: float) -> FloatArray:
         raise refuse("elevation", "must be a finite number of degrees", elevation)
     if not -90.0 <= elevation <= 90.0:
         raise refuse("elevation", "must lie in -90 to 90 degrees", elevation)
-    turn, rise = np.deg2rad(azimuth), np.deg2rad(elevation)
+    # As a Python float: small NumPy types would round the angles, or overflow below.
+    turn, rise = math.radians(azimuth), math.radians(elevation)
     # cos(90 degrees) is 6e-17 in floating point: rounding it away keeps 0 exactly 0.
     vector = np.array([np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)]).round(15)
     return as_light("light", vector, behind=True)
@@ -71,8 +74,8 @@ def direction_of(argument: str, light: ArrayLike, *, behind: bool = False) -> Fl
         If it is neither, zero, not finite, or from behind where it may not be.
     """
     try:
-        given = np.asarray(light)
-    except ValueError:  # rows of different lengths
+        given = any_array(argument, light)
+    except ToonkitError:
         return as_light(argument, light, behind=behind)
     if given.shape == (2,):
         azimuth, elevation = given.tolist()

@@ -6,7 +6,7 @@ import os
 
 import numpy as np
 
-from toonkit._validation import MIN_OBJECT_PIXELS, BoolArray, FloatArray, refuse, same_shape
+from toonkit._validation import MIN_OBJECT_PIXELS, BoolArray, FloatArray, any_array, refuse, same_shape
 from toonkit.model.background import cut_out
 from toonkit.model.decoding import PictureSource, Pixels, read_pixels, unit_range
 from toonkit.model.image import ToonImage
@@ -98,7 +98,7 @@ def read_coverage(mask: PictureSource) -> FloatArray:
             return pixels.alpha
         gray: FloatArray = pixels.color.mean(axis=-1)
         return gray
-    array = np.asarray(mask)
+    array = any_array("mask", mask)
     if array.ndim == 3 and array.shape[-1] == 1:
         array = array[..., 0]
     if array.ndim != 2 or array.dtype.kind not in "biuf":

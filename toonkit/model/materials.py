@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from toonkit._validation import BoolArray, FloatArray
+from toonkit._validation import BoolArray, FloatArray, any_array, as_array, of_type, refuse
 from toonkit.model.color_map import ColorMap
 from toonkit.model.description import describe_object, preview_png
 from toonkit.model.label_colors import label_picture
@@ -29,12 +29,45 @@ class Materials:
     color_maps : tuple of ColorMap
         For each material its color map, once a shape and a light are known; empty before. That of a flat material is not
         read from the drawing but derived: see `toonkit.illustration.flat_shading`.
+
+    Raises
+    ------
+    ToonkitError
+        If there is no material, the labels are not their numbers, or tones, `flat` and color maps are not one for each.
     """
 
     labels: NDArray[np.intp]
     tones: tuple[FloatArray, ...]
     flat: BoolArray
     color_maps: tuple[ColorMap, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("tones", "color_maps"):
+            of_type(name, getattr(self, name), tuple)
+        if self.count == 0:
+            raise refuse("tones", "must be those of at least one material", "none")
+        for tones in self.tones:
+            colors = as_array("tones", tones, (None, 3))
+            if len(colors) == 0 or not ((colors >= 0) & (colors <= 1)).all():
+                raise refuse(
+                    "tones", "must be one or more colors in [0, 1] for each material", f"{len(colors)} colors"
+                )
+        flat = any_array("flat", self.flat)
+        if flat.shape != (self.count,) or flat.dtype != np.bool_:
+            raise refuse(
+                "flat", f"must be {self.count} bools, one for each material", f"{flat.shape}, {flat.dtype}"
+            )
+        if self.color_maps and len(self.color_maps) != self.count:
+            raise refuse("color_maps", f"must be {self.count}, one for each material", len(self.color_maps))
+        for color_map in self.color_maps:
+            of_type("color_maps", color_map, ColorMap)
+        labels = any_array("labels", self.labels)
+        if labels.ndim != 2 or labels.dtype.kind != "i" or labels.size == 0:
+            raise refuse(
+                "labels", "must be an (H, W) array of integers", f"shape {labels.shape}, {labels.dtype}"
+            )
+        if labels.min() < -1 or labels.max() >= self.count:
+            raise refuse("labels", f"must lie in -1 to {self.count - 1}", f"{labels.min()} to {labels.max()}")
 
     @classmethod
     def single(cls, mask: BoolArray, color_map: ColorMap) -> Materials:

@@ -8,7 +8,17 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from toonkit._validation import BoolArray, FloatArray, as_array, as_mask, refuse, same_shape, warn
+from toonkit._validation import (
+    BoolArray,
+    FloatArray,
+    any_array,
+    as_array,
+    as_mask,
+    of_type,
+    refuse,
+    same_shape,
+    warn,
+)
 from toonkit.model.description import describe_object, preview_png
 from toonkit.model.normal_map_check import OFF_UNIT, NormalMapCheck, check_normal_map
 
@@ -43,6 +53,9 @@ class NormalField:
         inside = given[self._mask]
         if not np.isfinite(inside).all():
             raise refuse("vectors", "must be finite on the object", "NaN or infinite components")
+        largest = float(np.abs(inside).max())
+        if largest > 1 + UNIT_TOLERANCE:  # before it is squared
+            raise refuse("vectors", "must have unit length on the object", f"a component of {largest:.6g}")
         length = np.linalg.norm(inside, axis=1)
         worst = float(length[np.argmax(np.abs(length - 1))])
         if abs(worst - 1) > UNIT_TOLERANCE:
@@ -147,8 +160,9 @@ def encode_normal_map(
     Raises
     ------
     ToonkitError
-        If `bits` or `green` is none of the above.
+        If the normals are no `NormalField`, or `bits` or `green` is none of the above.
     """
+    of_type("normals", normals, NormalField)
     _check_encoding(bits, green)
     vectors = np.where(normals.mask[..., None], normals.vectors, np.array([0.0, 0.0, 1.0]))
     if green == "directx":
@@ -187,7 +201,7 @@ def decode_normal_map(colors: ArrayLike, mask: ArrayLike, *, green: GreenAxis = 
         If some vectors are far from unit length, as blending and resizing leave them, or if the normals at the rim point
         into the object, which tells a wrong `green`.
     """
-    array = np.asarray(colors)
+    array = any_array("colors", colors)
     if array.dtype not in (np.uint8, np.uint16):
         raise refuse("colors", "must be uint8 or uint16", f"dtype {array.dtype}")
     bits = 8 if array.dtype == np.uint8 else 16
@@ -225,7 +239,7 @@ def _warn_of(check: NormalMapCheck, green: GreenAxis) -> None:
 
 
 def _check_encoding(bits: int, green: str) -> None:
-    if bits not in (8, 16):
+    if not isinstance(bits, int) or bits not in (8, 16):
         raise refuse("bits", "must be 8 or 16", bits)
-    if green not in ("opengl", "directx"):
+    if not isinstance(green, str) or green not in ("opengl", "directx"):
         raise refuse("green", 'must be "opengl" (up) or "directx" (down)', repr(green))

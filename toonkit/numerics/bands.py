@@ -12,9 +12,10 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from threadpoolctl import ThreadpoolController
+
+from toonkit.numerics.compiled import njit
 
 BAND = 6_000
 """Pixels of a band at least: fewer are done before another thread has started."""

@@ -15,11 +15,14 @@ def ensure_cache_folder() -> None:
     Give Numba a temporary folder for compiled code if it finds no other; call it before any loop is declared.
 
     Numba refuses to declare a cached loop without one, as for a user without a home whose packages belong to another.
-    The folder is removed when this process ends; child processes share it.
+    The folder is removed when this process ends; child processes share it. Without one, nothing is cached.
     """
     if _can_cache():
         return
-    folder = tempfile.mkdtemp(prefix="toonkit-")
+    try:
+        folder = tempfile.mkdtemp(prefix="toonkit-")
+    except OSError:
+        return
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     os.environ["NUMBA_CACHE_DIR"] = (
         folder  # for child processes, and because Numba reads it again before it compiles
@@ -30,6 +33,6 @@ def ensure_cache_folder() -> None:
 def _can_cache() -> bool:
     try:
         njit(cache=True)(_can_cache)
-    except RuntimeError:
+    except (OSError, RuntimeError):
         return False
     return True

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
+from toonkit.numerics.compiled import njit
 from toonkit.numerics.masked_grid import OUTSIDE, IndexArray, MaskedGrid
 from toonkit.numerics.report import SolverReport
 from toonkit.numerics.smoothness_energy import SmoothnessEnergy

@@ -11,11 +11,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.numerics.bands import Bands
+from toonkit.numerics.compiled import njit
 
 RIGHT, UP, LEFT, DOWN = 0, 1, 2, 3
 STEPS = ((0, 1), (-1, 0), (0, -1), (1, 0))

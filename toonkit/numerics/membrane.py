@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
 from toonkit.numerics.bands import inner, run_in_pieces
+from toonkit.numerics.compiled import njit
 from toonkit.numerics.masked_grid import OUTSIDE, Coarsening, Links, MaskedGrid
 from toonkit.numerics.report import SolverReport
 

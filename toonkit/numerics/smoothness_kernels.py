@@ -6,7 +6,8 @@ Each of them works on the pixels first to last of a grid and writes to those alo
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from toonkit.numerics.compiled import njit
 
 LEAST_CURVATURE = 0.3
 """Share of the pull's strength that its curvature has at least, so that a vector which looks the other way turns around."""

@@ -6,10 +6,11 @@ import hashlib
 import json
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any, cast
 
+from toonkit._validation import refuse
 from toonkit.export.atomic import atomic_write
 from toonkit.study.digests import NETWORKS_USED
 from toonkit.study.trials import LightTrack, Record, Trial
@@ -18,6 +19,10 @@ FOLDER = "records"
 
 LOST = "WorkerLost: "
 """How the error of a trial begins whose worker died time and again: the next run tries it anew."""
+
+
+_TYPES: dict[str, tuple[type, ...]] = {"str": (str,), "int": (int,), "float": (float, int), "bool": (bool,)}
+_LARGEST = 2**63
 
 
 class RecordStore:
@@ -30,14 +35,22 @@ class RecordStore:
         The study's folder; the records lie in `records/` below it.
     sidecar : mapping
         The study's provenance. A record belongs to the study if it was made with the same version of toonkit, the same
-        settings, and the same inputs by their digests.
+        settings, and the same inputs by their digests. A damaged record belongs to none: it is measured again.
+
+    Raises
+    ------
+    ToonkitError
+        If the folder cannot be written to.
     """
 
     def __init__(self, folder: Path, sidecar: Mapping[str, Any]) -> None:
         self._folder = folder / FOLDER
         self._common = [sidecar["toonkit"], sidecar["settings"]]
         self._digests: Mapping[str, Mapping[str, str | None]] = sidecar["digests"]
-        self._folder.mkdir(exist_ok=True)
+        try:
+            self._folder.mkdir(exist_ok=True)
+        except OSError as error:
+            raise refuse("folder", "must be writable", f"{self._folder} ({error.strerror})") from error
 
     def save(self, trial: Trial, record: Record) -> None:
         """Write a record; an older one of the same trial is replaced."""
@@ -59,10 +72,14 @@ class RecordStore:
         return not (record.error and (retry_failed or record.error.startswith(LOST)))
 
     def forget(self, methods: Collection[str]) -> None:
-        """Delete all records of some methods."""
+        """Delete all records of some methods; raises `ToonkitError` if the disk refuses."""
         for path in self._folder.glob("*.json"):
-            if json.loads(path.read_text(encoding="utf-8"))["record"]["method"] in methods:
-                path.unlink()
+            stored = _read(path)
+            if stored is not None and stored[1].method in methods:
+                try:
+                    path.unlink()
+                except OSError as error:
+                    raise refuse("folder", "must be writable", f"{path} ({error.strerror})") from error
 
     def records(self) -> list[Record]:
         """Return all records whose trials have the same inputs now."""
@@ -70,15 +87,13 @@ class RecordStore:
         return [record for record in found if record is not None]
 
     def _current(self, path: Path) -> Record | None:
-        if not path.is_file():
+        stored = _read(path)
+        if stored is None:
             return None
-        stored = json.loads(path.read_text(encoding="utf-8"))
-        values: dict[str, Any] = stored["record"]
-        values |= {name: math.nan for name, value in values.items() if value is None}
-        record = Record(**values)
+        fingerprint, record = stored
         track = cast("LightTrack", record.light_track)
         trial = Trial(record.shape, record.color_map, record.method, track)
-        return record if stored["fingerprint"] == self._fingerprint(trial) else None
+        return record if trial.key == path.stem and fingerprint == self._fingerprint(trial) else None
 
     def _fingerprint(self, trial: Trial) -> str:
         """Return a digest of a trial's inputs."""
@@ -97,3 +112,27 @@ class RecordStore:
 
     def _digest(self, group: str, name: str) -> str | None:
         return self._digests.get(group, {}).get(name)
+
+
+def _read(path: Path) -> tuple[object, Record] | None:
+    """Return what a file holds, the fingerprint and the record; None if it is missing or damaged."""
+    try:
+        stored = json.loads(path.read_text(encoding="utf-8"))
+        values: dict[str, Any] = {
+            name: math.nan if value is None else value for name, value in stored["record"].items()
+        }
+        record = Record(**values)
+        return (stored["fingerprint"], record) if _is_typed(record) else None
+    except (AttributeError, KeyError, OSError, RecursionError, TypeError, ValueError):
+        return None
+
+
+def _is_typed(record: Record) -> bool:
+    """Tell whether each value is of its column's type, and fits into it."""
+    for field in fields(record):
+        value, kind = getattr(record, field.name), str(field.type)
+        if not isinstance(value, _TYPES[kind]) or (isinstance(value, bool) and kind != "bool"):
+            return False
+        if isinstance(value, int) and not -_LARGEST <= value < _LARGEST:
+            return False
+    return True

@@ -23,7 +23,11 @@ LOCK_NAME = ".lock"
 @contextmanager
 def sole_use(home: Path) -> Iterator[None]:
     """Hold a folder for one run at a time; the system lets go of it when the process ends, however it does."""
-    with (home / LOCK_NAME).open("w") as lock:
+    try:
+        lock = (home / LOCK_NAME).open("w")
+    except OSError as error:
+        raise refuse("folder", "must be writable", f"{home / LOCK_NAME} ({error.strerror})") from error
+    with lock:
         if fcntl is not None:
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

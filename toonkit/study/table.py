@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterable
 from dataclasses import asdict, fields
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
 import pandas as pd
@@ -13,7 +14,7 @@ import pandas as pd
 from toonkit._validation import ToonkitError, expand_home, refuse
 from toonkit.export.atomic import PathLike, atomic_write
 from toonkit.study.record_store import FOLDER, RecordStore
-from toonkit.study.trials import Record, StudySettings
+from toonkit.study.trials import LIGHT_TRACKS, Record, StudySettings
 
 TABLE_NAME = "trials.parquet"
 CSV_NAME = "trials.csv"
@@ -30,6 +31,35 @@ COLUMN_TYPES: dict[str, str] = {field.name: _TYPES[str(field.type)] for field in
 """The columns of the table, and their types."""
 
 CSV_DIGITS = 6
+
+_EACH = "*"
+_FORM: dict[str, Any] = {
+    "toonkit": str,
+    "settings": dict,
+    "refinement_as_printed": dict,
+    "shapes": dict,
+    "color_maps": [str],
+    "methods": [str],
+    "light_tracks": [str],
+    "digests": {
+        "shape": {_EACH: (str, NoneType)},
+        "color_map": {_EACH: (str, NoneType)},
+        "method_file": {_EACH: (str, NoneType)},
+        "weights": {_EACH: str},
+    },
+    "runs": [
+        {
+            "started": str,
+            "seconds": (int, float, NoneType),
+            "trials": (int, NoneType),
+            "workers": (int, str),
+            "commit": (str, NoneType),
+            "machine": {"processor": str, "cores": (int, NoneType), "system": str},
+            "versions": dict,
+        }
+    ],
+}
+"""What a study's provenance holds: for each name a type, or lists and dicts of types."""
 
 
 def as_table(records: Iterable[Record]) -> pd.DataFrame:
@@ -83,7 +113,7 @@ def load_trials(source: PathLike) -> pd.DataFrame:
     Raises
     ------
     ToonkitError
-        If there is no table, or a file is not one.
+        If there is no table, or a file is not one or holds no trial.
     """
     place = expand_home(source)
     if _has_newer_records(place):
@@ -92,12 +122,22 @@ def load_trials(source: PathLike) -> pd.DataFrame:
     texts = {name: kind for name, kind in COLUMN_TYPES.items() if kind == "str"}
     try:
         table = pd.read_csv(path, dtype=texts) if path.suffix == ".csv" else pd.read_parquet(path)
-    except (OSError, ValueError) as error:
+    except Exception as error:  # pandas and pyarrow raise nearly every type there is for a damaged file
         raise refuse("source", "must be the table of a study", f"{path} ({error})") from error
     missing = [name for name in COLUMN_TYPES if name not in table.columns]
     if missing:
         raise refuse("source", f"must have the column {missing[0]}", f"{path} without it")
-    return table[list(COLUMN_TYPES)].fillna(dict.fromkeys(texts, "")).astype(COLUMN_TYPES)
+    if table.empty:
+        raise refuse("source", "must hold at least one trial", f"{path} without any")
+    try:
+        trials = table[list(COLUMN_TYPES)].fillna(dict.fromkeys(texts, "")).astype(COLUMN_TYPES)
+    except (OverflowError, TypeError, ValueError) as error:
+        raise refuse("source", "must have the columns of a study's table", f"{path} ({error})") from error
+    unknown = set(trials["light_track"]) - set(LIGHT_TRACKS)
+    if unknown:
+        rule = f"must be of the light tracks {' and '.join(LIGHT_TRACKS)}"
+        raise refuse("source", rule, f"{path} with {min(unknown)!r}")
+    return trials
 
 
 def load_provenance(source: PathLike) -> dict[str, Any]:
@@ -117,15 +157,38 @@ def load_provenance(source: PathLike) -> dict[str, Any]:
     Raises
     ------
     ToonkitError
-        If it is missing or no JSON.
+        If it is missing, no JSON, or not what a study writes.
     """
     path = expand_home(source)
     path = (path if path.is_dir() else path.parent) / PROVENANCE_NAME
     try:
-        provenance: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise refuse("source", f"must have a {PROVENANCE_NAME} beside its table", f"{path}") from error
-    return provenance
+        provenance = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, RecursionError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        rule = f"must have a readable {PROVENANCE_NAME} beside its table"
+        raise refuse("source", rule, f"{path} ({reason})") from error
+    for name, form in _FORM.items():
+        if not isinstance(provenance, dict) or name not in provenance or not _fits(provenance[name], form):
+            raise refuse(
+                "source",
+                f"must have a {PROVENANCE_NAME} of a study",
+                f"{path}, where {name} is missing or odd",
+            )
+    settings_from(provenance["settings"])
+    return dict(provenance)
+
+
+def _fits(value: object, form: Any) -> bool:
+    """Tell whether a value has a form: a type, several, a list of a form, or a dict whose values have forms."""
+    if isinstance(form, list):
+        return isinstance(value, list) and all(_fits(item, form[0]) for item in value)
+    if isinstance(form, dict):
+        if not isinstance(value, dict):
+            return False
+        if _EACH in form:
+            return all(_fits(item, form[_EACH]) for item in value.values())
+        return all(name in value and _fits(value[name], part) for name, part in form.items())
+    return isinstance(value, form)
 
 
 def settings_of(source: PathLike) -> StudySettings:
@@ -139,7 +202,7 @@ def settings_from(stored: Any) -> StudySettings:
         return StudySettings(
             size=stored["size"], light=stored["light"], new_lights=tuple(stored["new_lights"])
         )
-    except (KeyError, TypeError) as error:
+    except (KeyError, TypeError, ToonkitError) as error:
         raise refuse(
             "source", f"must have the settings of a study in its {PROVENANCE_NAME}", f"{stored}"
         ) from error

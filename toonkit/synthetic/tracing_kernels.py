@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from toonkit.numerics.compiled import njit
 
 NOTHING = -1
 """Part that a ray meets which meets none."""

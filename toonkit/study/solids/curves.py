@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from scipy.interpolate import CubicSpline
 
 from toonkit._validation import FloatArray
+from toonkit.numerics.compiled import njit
 
 SAMPLES = 8
 """Samples between two knots; Newton's method starts from the nearest one."""

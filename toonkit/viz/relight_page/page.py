@@ -19,11 +19,11 @@ from toonkit.viz.choice_cards import ChoiceCards, picture_choices, text_choices
 from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading
 from toonkit.viz.relight_page.height_view import HeightView, encode_surface
 from toonkit.viz.relight_page.state import METHOD_DESCRIPTIONS, RelightState, prepare_sample
+from toonkit.viz.relight_page.upload import PictureDropper
 from toonkit.viz.relight_page.view import RelightView
 from toonkit.viz.session_end import free_when_left
 
 PICTURE_TYPES = ["image/png", "image/jpeg", "image/webp", "image/tiff", ".tif", ".tiff"]
-LARGEST_FILE = "60MB"
 
 PICTURE_FIRST_SECONDS = 0.4
 TabMaker = Callable[[ToonAnalysis], Any]
@@ -79,10 +79,8 @@ def drawing_picker(state: RelightState) -> pn.Column:
         margin=(2, 12, 8, 12),
         **WIDE,
     )
-    dropper = pn.widgets.FileDropper(
+    dropper = PictureDropper(
         accepted_filetypes=PICTURE_TYPES,
-        max_file_size=LARGEST_FILE,
-        multiple=False,
         previews=[],
         height=104,
         margin=(0, 12),

@@ -18,6 +18,7 @@ from PIL import Image
 
 import toonkit
 from toonkit import ToonAnalysis, ToonImage
+from toonkit._validation import refuse
 from toonkit.model.normals import encode_normal_map
 from toonkit.samples import sample_light, sample_path
 
@@ -38,6 +39,9 @@ KEPT_ANALYSES = 6
 KEPT_PIXELS = 1_500_000
 """Pictures larger than this are not kept: an analysis of one takes some 200 bytes a pixel."""
 
+
+MOST_FILE_BYTES = 60 * 10**6
+"""Largest picture file that a visitor may open."""
 
 PROGRESS_SECONDS = 0.08
 """Pause between two progress reports: faster ones only fill the connection."""
@@ -100,7 +104,12 @@ class RelightState(param.Parameterized):
             await self._analyze(image, list(sample_light(name)), sample=name)
 
     async def open_file(self, content: bytes) -> None:
-        """Open a picture of the user's own; its light is estimated."""
+        """Open a picture of the user's own; its light is estimated. Raises ToonkitError for what is none, or too large."""
+        if not isinstance(content, bytes):
+            raise refuse("source", "must be a picture file", "a text")
+        if len(content) > MOST_FILE_BYTES:
+            rule = f"must have at most {MOST_FILE_BYTES // 10**6} MB"
+            raise refuse("source", rule, f"{len(content) / 10**6:.0f} MB")
         image = await self._work("opening the drawing", lambda _: toonkit.load_image(BytesIO(content)))
         if image is not None:
             await self._analyze(image, None, sample="")

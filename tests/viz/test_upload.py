@@ -1,0 +1,66 @@
+"""The limits of an upload hold on the server, whatever the page in a browser sends."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from tests.viz.test_relight_state import run
+from toonkit import ToonkitError
+from toonkit.viz.relight_page import state, upload
+from toonkit.viz.relight_page.state import RelightState
+from toonkit.viz.relight_page.upload import PictureDropper
+
+
+@pytest.fixture
+def refusals(monkeypatch):
+    """Files of ten bytes at most; what visitors are told."""
+    told: list[str] = []
+    monkeypatch.setattr(upload, "MOST_FILE_BYTES", 10)
+    monkeypatch.setattr(state, "MOST_FILE_BYTES", 10)
+    monkeypatch.setattr(upload, "error_reporter", lambda _: lambda error: told.append(str(error)))
+    return told
+
+
+def send(dropper: PictureDropper, *parts: bytes, name: str = "a.png") -> None:
+    for chunk, data in enumerate(parts, start=1):
+        sent = {"name": name, "chunk": chunk, "total_chunks": len(parts), "data": data, "type": "image/png"}
+        dropper._process_event(SimpleNamespace(event_name="upload_event", data=sent))
+
+
+def test_a_file_within_the_limit_arrives(refusals):
+    dropper = PictureDropper()
+    send(dropper, b"12345", b"67890")
+    assert dropper.value == {"a.png": b"1234567890"}
+    assert refusals == []
+
+
+def test_a_larger_file_is_refused_while_it_arrives_and_nothing_of_it_is_kept(refusals):
+    dropper = PictureDropper()
+    send(dropper, b"12345", b"678901", b"2", b"3")
+    assert dropper.value == {}
+    assert dropper._file_buffer == {}
+    assert len(refusals) == 1
+    assert "must have at most" in refusals[0]
+
+
+def test_files_that_never_end_do_not_pile_up(refusals):
+    dropper = PictureDropper()
+    for number in range(5):
+        sent = {"name": f"{number}", "chunk": 1, "total_chunks": 2, "data": b"12345678", "type": "image/png"}
+        dropper._process_event(SimpleNamespace(event_name="upload_event", data=sent))
+    assert list(dropper._file_buffer) == ["4"]
+
+
+def test_after_a_refusal_the_next_file_arrives(refusals):
+    dropper = PictureDropper()
+    send(dropper, b"12345678901")
+    send(dropper, b"12345", name="b.png")
+    assert dropper.value == {"b.png": b"12345"}
+
+
+@pytest.mark.parametrize("content", [bytes(11), "text"])
+def test_what_is_too_large_or_no_file_is_not_opened(refusals, content):
+    with pytest.raises(ToonkitError, match="source must"):
+        run(RelightState().open_file(content))

@@ -1,0 +1,72 @@
+"""njit: Numba's, with a cache on disk that may be damaged, full or missing without any harm but the time to compile."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+import numba
+from numba.core.caching import FunctionCache
+
+_told: list[str] = []
+
+
+def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """
+    Compile a function when it is first called, or load it from the cache.
+
+    Parameters
+    ----------
+    **options
+        Those of `numba.njit`. `cache=True` asks for the cache.
+
+    Returns
+    -------
+    callable
+        Decorator.
+    """
+    cached = options.pop("cache", False)
+
+    def declare(function: Callable[..., Any]) -> Any:
+        dispatcher = numba.njit(**options)(function)
+        if cached and dispatcher is not function:  # as it is where Numba is switched off
+            try:
+                dispatcher._cache = _ForgivingCache(function)
+            except (OSError, RuntimeError) as error:  # no folder can be written to
+                _tell_once(str(error))
+        return dispatcher
+
+    return declare
+
+
+class _ForgivingCache(FunctionCache):
+    """Numba's cache of one function, which raises whatever is wrong with its files."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return compiled code; None if there is none, or a damaged one, which is dropped."""
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception as error:  # unpickling raises any type for a damaged file
+            _tell_once(f"{self.cache_path}: {type(error).__name__}: {error}")
+            with suppress(OSError):
+                self.flush()
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Save compiled code, if it can be saved."""
+        try:
+            super().save_overload(sig, data)
+        except Exception as error:  # as above; and disks are full
+            _tell_once(f"{self.cache_path}: {type(error).__name__}: {error}")
+
+
+def _tell_once(reason: str) -> None:
+    """Log one line in each process, which goes to stderr unless the program has its own handlers."""
+    if not _told:
+        _told.append(reason)
+        logging.getLogger("toonkit").warning(
+            "toonkit compiles anew, which takes seconds: its cache cannot be used (%s)",
+            " ".join(reason.split()),
+        )
