@@ -219,6 +219,22 @@ def test_a_highlight_fades_with_the_light_and_is_no_material():
     assert np.abs(analysis.base_color.color[34, 34] - RED[1]).max() < 0.05
 
 
+def test_ink_leaves_the_light_beneath_it_open():
+    canvas = Canvas()
+    ball = Ball(48, 48, 42, RED)
+    canvas.ball(ball, 0)
+    canvas.outline(ball, 3)
+    drawn = canvas.drawn()
+    analysis = analyze(picture_of(drawn), LIGHT)
+    allowed = analysis.intervals
+    inked = analysis.drawing.ink_coverage[drawn.ink > 0.9]
+    assert inked.min() > 0
+    assert set(allowed.lower[drawn.ink > 0.9]) == {-1.0}
+    assert set(allowed.upper[drawn.ink > 0.9]) == {1.0}
+    clear = drawn.mask & (analysis.drawing.ink_coverage == 0)
+    assert (allowed.upper - allowed.lower)[clear].max() < 2.0
+
+
 def test_a_path_and_a_light_in_degrees_are_taken(drawn, tmp_path):
     write_picture(picture_of(drawn), tmp_path / "figure.png")
     analysis = analyze(tmp_path / "figure.png", (135, 45))

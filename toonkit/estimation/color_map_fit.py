@@ -156,12 +156,18 @@ def _fitted(tones: PaintedTones, illumination: FloatArray, *, trim: bool) -> Col
 
 
 def allowed_intervals(drawing: PreparedDrawing, color_maps: Sequence[ColorMap]) -> IlluminationInterval:
-    """Range of illumination (P,) that each pixel allows, given its material's color map; all of it where that is flat."""
+    """
+    Range of illumination (P,) that each pixel allows, given its material's color map.
+
+    It is all of [-1, 1] where that is flat, and under ink, which hides how the paint is lit.
+    """
     lower, upper = np.full(drawing.grid.size, -1.0), np.full(drawing.grid.size, 1.0)
     for material, color_map in zip(drawing.painted_materials, color_maps, strict=True):
         if material.tones is not None:
             allowed = allowed_interval(material.tones, color_map)
             lower[material.pixels], upper[material.pixels] = allowed.lower, allowed.upper
+    inked = drawing.frame.compact(drawing.ink.coverage) > 0
+    lower[inked], upper[inked] = -1.0, 1.0
     return IlluminationInterval(lower, upper)
 
 
@@ -175,6 +181,8 @@ def painted_intervals(
             own = IlluminationInterval(lower[material.pixels], upper[material.pixels])
             narrow = painted_interval(material.tones, color_map, own)
             lower[material.pixels], upper[material.pixels] = narrow.lower, narrow.upper
+    inked = drawing.frame.compact(drawing.ink.coverage) > 0
+    lower[inked], upper[inked] = allowed.lower[inked], allowed.upper[inked]
     return IlluminationInterval(lower, upper)
 
 
