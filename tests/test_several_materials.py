@@ -226,7 +226,7 @@ def test_ink_leaves_the_light_beneath_it_open():
     canvas.outline(ball, 3)
     drawn = canvas.drawn()
     analysis = analyze(picture_of(drawn), LIGHT)
-    allowed = analysis.intervals
+    allowed = analysis.intervals()
     inked = analysis.drawing.ink_coverage[drawn.ink > 0.9]
     assert inked.min() > 0
     assert set(allowed.lower[drawn.ink > 0.9]) == {-1.0}
