@@ -196,7 +196,7 @@ def test_a_light_of_another_form_is_told_both_forms(analysis, light):
 
 
 def test_an_elevation_in_the_place_of_the_azimuth_is_refused_as_one(analysis):
-    with pytest.raises(ToonkitError, match="elevation must lie in 0 to 90 degrees"):
+    with pytest.raises(ToonkitError, match="elevation must lie in -90 to 90 degrees"):
         relight(analysis, (50, 130))
 
 

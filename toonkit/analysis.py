@@ -49,7 +49,8 @@ class ToonAnalysis:
     report : SolverReport
         How the refinement went; by default, that there was none.
     light_estimate : LightEstimate or None
-        The light with its confidence, if it was estimated; None if it was given.
+        The light with the confidence of its estimate, if it was estimated; None if it was given. A light of low
+        confidence is the customary one: see `toonkit.estimation.light_fit.assume_light`.
     drawing : PreparedDrawing
         The picture with what is derived from it alone, for relighting and further analyses; prepared anew by default.
 

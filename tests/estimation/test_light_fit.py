@@ -2,7 +2,16 @@ import numpy as np
 import pytest
 
 from tests.analytic import SOFT, ellipse, painted
-from toonkit import ToonImage, ToonkitError, estimate_light, inflate, light_angles, light_direction
+from toonkit import (
+    LightEstimate,
+    ToonImage,
+    ToonkitError,
+    analyze,
+    estimate_light,
+    inflate,
+    light_angles,
+    light_direction,
+)
 from toonkit.estimation import light_fit
 from toonkit.estimation.light_fit import LOWEST_ELEVATION, RING, SPREADS, TRIED, candidates, sharpen
 from toonkit.estimation.light_prior import LightBelief
@@ -99,3 +108,22 @@ def test_trying_lights_brings_the_estimate_nearer_on_the_whole():
         believed.append(np.rad2deg(np.arccos(belief.light @ light)))
         after.append(np.rad2deg(np.arccos(sharpen(belief, image, normals).light @ light)))
     assert np.mean(after) < 0.8 * np.mean(believed)
+
+
+def test_a_confident_estimate_is_assumed_and_a_guess_is_not(monkeypatch):
+    y, x = np.mgrid[:48, :48] - 23.5
+    image = ToonImage(np.full((48, 48, 3), 0.5), x**2 + y**2 < 400)
+    for confidence, angles in ((0.3, (20, 30)), (0.02, light_fit.CUSTOMARY_LIGHT)):
+        found = LightEstimate(light_direction(20, 30), confidence)
+        monkeypatch.setattr(light_fit, "estimate_light", lambda _, found=found: found)
+        assumed = light_fit.assume_light(image)
+        assert assumed.confidence == confidence
+        np.testing.assert_allclose(assumed.light, light_direction(*angles))
+
+
+def test_without_shading_the_light_is_the_customary_one():
+    y, x = np.mgrid[:48, :48] - 23.5
+    image = ToonImage(np.full((48, 48, 3), 0.5), x**2 + y**2 < 400)
+    analysis = analyze(image)
+    assert light_angles(analysis.light) == pytest.approx(light_fit.CUSTOMARY_LIGHT)
+    assert analysis.light_estimate.confidence == 0

@@ -40,6 +40,12 @@ the best on generated solids, by little."""
 NEGLIGIBLE = 1e-4
 """Misfit that the true light may have."""
 
+GUESS = 0.1
+"""Confidence below which an estimate is a guess, on generated drawings 25 degrees off on average."""
+
+CUSTOMARY_LIGHT = (130.0, 50.0)
+"""Azimuth and elevation, in degrees, of the light that most painters have in mind: upper left, in front."""
+
 
 @dataclass(frozen=True, eq=False)
 class LightEstimate:
@@ -119,6 +125,31 @@ def estimate_light(
         light = light_direction(float(azimuth), float(max(elevation, LOWEST_ELEVATION)))
         share = _explained_share(normals.compact[shaded] @ light, shades)
     return LightEstimate(light, belief.probability_within(CLOSE) * min(share / PLAUSIBLE, 1.0))
+
+
+def assume_light(image: ToonImage | PreparedDrawing) -> LightEstimate:
+    """
+    Estimate the light, and where that is a guess, take `CUSTOMARY_LIGHT`.
+
+    Parameters
+    ----------
+    image : ToonImage or PreparedDrawing
+        The picture.
+
+    Returns
+    -------
+    LightEstimate
+        The light to go on with, and the confidence of the estimate; below `GUESS` the light is the customary one.
+
+    Raises
+    ------
+    ToonkitError
+        If the image is not a `ToonImage`.
+    """
+    estimate = estimate_light(image)
+    if estimate.confidence >= GUESS:
+        return estimate
+    return LightEstimate(light_direction(*CUSTOMARY_LIGHT), estimate.confidence)
 
 
 def sharpen(belief: LightBelief, drawing: PreparedDrawing, initial_normals: NormalField) -> LightBelief:

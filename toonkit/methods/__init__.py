@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from toonkit._validation import check_callable, of_type, one_of, refuse, same_mask
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.light_fit import estimate_light
+from toonkit.estimation.light_fit import assume_light
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.methods.classical import classical
 from toonkit.methods.lambert import lambert
@@ -73,7 +73,7 @@ def analyze(
         The picture, or a file that `load_image` reads.
     light : array_like, shape (3,) or (2,), optional
         Direction from the surface to the light that the artist had in mind, or its azimuth and elevation in degrees;
-        estimated if not given.
+        estimated if not given, and upper left where the picture does not say: see `ToonAnalysis.light_estimate`.
     method : str, optional
         Name of an estimator in `METHODS`.
     materials : array_like of int, shape (H, W), or Materials, optional
@@ -136,6 +136,6 @@ def analyze(
             return METHODS[method](drawing, direction, progress=progress, **options)
         if progress is not None:
             progress("estimating the light", 0.0)
-        estimate = estimate_light(drawing)
+        estimate = assume_light(drawing)
         analysis = METHODS[method](drawing, estimate.light, progress=progress, **options)
     return replace(analysis, light_estimate=estimate)

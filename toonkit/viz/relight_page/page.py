@@ -13,7 +13,9 @@ import panel_material_ui as pmui
 from panel.models.esm import DataEvent
 
 from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.light_fit import GUESS
 from toonkit.methods import METHODS
+from toonkit.model.light import describe_light
 from toonkit.samples import sample_names, sample_path, sample_title
 from toonkit.viz.choice_cards import ChoiceCards, picture_choices, text_choices
 from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading
@@ -26,6 +28,7 @@ from toonkit.viz.session_end import free_when_left
 PICTURE_TYPES = ["image/png", "image/jpeg", "image/webp", "image/tiff", ".tif", ".tiff"]
 
 PICTURE_FIRST_SECONDS = 0.4
+LIGHT_NOTE_MILLISECONDS = 8000
 TabMaker = Callable[[ToonAnalysis], Any]
 
 TAB_SIZE = {"height": 380, **WIDE}
@@ -61,12 +64,26 @@ def stage(state: RelightState) -> RelightView:
     async def asked(message: DataEvent) -> None:
         if message.data["action"] == "estimate":
             await state.estimate_light()
+            tell_light(state.analysis)
         else:
             state.cancel()
 
     view.on_msg(asked)
     state.param.watch(lambda event: view.show(event.new), "analysis")
     return view
+
+
+def tell_light(analysis: ToonAnalysis | None) -> None:
+    """Tell the user where an estimated light stands and how sure that is, or that it is only assumed."""
+    estimate = None if analysis is None else analysis.light_estimate
+    if estimate is None or pn.state.notifications is None:
+        return
+    if estimate.confidence < GUESS:
+        text = "This drawing does not say where its light is. Upper left is assumed: drag the ball on it if you know better."
+    else:
+        sure = f"{100 * estimate.confidence:.0f} % sure"
+        text = f"Estimated light: {describe_light(estimate.light)}, {sure}. Drag the ball on the drawing to correct it."
+    pn.state.notifications.info(text, duration=LIGHT_NOTE_MILLISECONDS)
 
 
 def drawing_picker(state: RelightState) -> pn.Column:
@@ -102,6 +119,7 @@ def drawing_picker(state: RelightState) -> pn.Column:
         # The widget changes this dictionary when the next file is dropped, which may be before this one is analyzed.
         for content in tuple(files.values()):
             await state.open_file(content)
+            tell_light(state.analysis)
 
     state.param.watch(lambda event: cards.param.update(value=event.new), "sample")
     pn.bind(choose, cards.param.value, watch=True)
