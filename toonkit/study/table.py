@@ -159,6 +159,20 @@ def load_provenance(source: PathLike) -> dict[str, Any]:
     ToonkitError
         If it is missing, no JSON, or not what a study writes.
     """
+    provenance, path = _read_provenance(source)
+    for name, form in _FORM.items():
+        if name not in provenance or not _fits(provenance[name], form):
+            raise refuse(
+                "source",
+                f"must have a {PROVENANCE_NAME} of a study",
+                f"{path}, where {name} is missing or odd",
+            )
+    settings_from(provenance["settings"])
+    return provenance
+
+
+def _read_provenance(source: PathLike) -> tuple[dict[str, Any], Path]:
+    """Read the sidecar of a study's table, whatever it holds by name, and tell where it lies."""
     path = expand_home(source)
     path = (path if path.is_dir() else path.parent) / PROVENANCE_NAME
     try:
@@ -167,15 +181,9 @@ def load_provenance(source: PathLike) -> dict[str, Any]:
         reason = getattr(error, "strerror", None) or error
         rule = f"must have a readable {PROVENANCE_NAME} beside its table"
         raise refuse("source", rule, f"{path} ({reason})") from error
-    for name, form in _FORM.items():
-        if not isinstance(provenance, dict) or name not in provenance or not _fits(provenance[name], form):
-            raise refuse(
-                "source",
-                f"must have a {PROVENANCE_NAME} of a study",
-                f"{path}, where {name} is missing or odd",
-            )
-    settings_from(provenance["settings"])
-    return dict(provenance)
+    if not isinstance(provenance, dict):
+        raise refuse("source", f"must have a {PROVENANCE_NAME} of a study", f"{path}, which names nothing")
+    return provenance, path
 
 
 def _fits(value: object, form: Any) -> bool:
@@ -192,8 +200,8 @@ def _fits(value: object, form: Any) -> bool:
 
 
 def settings_of(source: PathLike) -> StudySettings:
-    """Return the settings under which a study's trials were made; raises as `load_provenance` does."""
-    return settings_from(load_provenance(source).get("settings"))
+    """Return the settings under which a study's trials were made; raises `ToonkitError` where there are none."""
+    return settings_from(_read_provenance(source)[0].get("settings"))
 
 
 def settings_from(stored: Any) -> StudySettings:
