@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import uuid
 from collections.abc import Iterator
@@ -66,6 +67,14 @@ def atomic_write(path: PathLike) -> Iterator[BinaryIO]:
     finally:
         with suppress(OSError):
             temporary.unlink()
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Remove the temporary files that a process left in a folder when it was killed; nobody may write there meanwhile."""
+    for path in folder.glob(".*.tmp"):
+        if re.fullmatch(r"\..+\.[0-9a-f]{12}\.tmp", path.name):
+            with suppress(OSError):
+                path.unlink()
 
 
 def suffix_of(path: PathLike, allowed: tuple[str, ...], argument: str = "path") -> str:

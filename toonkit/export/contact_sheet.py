@@ -12,10 +12,11 @@ from PIL import Image, ImageDraw, ImageFont
 from toonkit._validation import FloatArray, as_light, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.export.label_picture import label_picture
+from toonkit.export.thumbnail import Thumbnail
 from toonkit.model.color_map import ColorMap
+from toonkit.model.image import eight_bit
 from toonkit.model.light import light_angles, light_direction
-from toonkit.model.normals import encode_normal_map
-from toonkit.relighting import relight
+from toonkit.relighting import relight_pixels
 
 STANDARD_LIGHTS: tuple[tuple[float, float], ...] = (
     (180, 15),
@@ -93,27 +94,31 @@ def contact_sheet(
         raise refuse("lights", "must hold at least one light", "none")
     checked = [as_light("lights", light) for light in directions]
     several = analysis.materials.count > 1
+    small = Thumbnail.of(analysis, _TILE - 2 * _PADDING)
+    base = small.picture(analysis.base_colors()[small.pixels], keep_detail=False)
     tiles = [
-        _input_tile(analysis),
-        _materials_tile(analysis) if several else _color_map_tile(analysis),
-        _Tile(_cropped(analysis, analysis.base_color.to_rgba()), "base color", "without shading", None),
-        _normal_tile(analysis),
+        _input_tile(analysis, small),
+        _materials_tile(analysis, small) if several else _color_map_tile(analysis),
+        _Tile(base, "base color", "without shading", None),
+        _normal_tile(analysis, small),
     ]
     for light in checked:
-        relit = relight(analysis, light, keep_detail=keep_detail)
-        tiles.append(_Tile(_cropped(analysis, relit.to_rgba()), "relit", _angles(light), light))
+        relit = relight_pixels(analysis, light, small.pixels, keep_detail=keep_detail)
+        picture = small.picture(relit, keep_detail=keep_detail)
+        tiles.append(_Tile(picture, "relit", _angles(light), light))
     return _sheet(tiles, MATTE if several else analysis.color_map)
 
 
-def _input_tile(analysis: ToonAnalysis) -> _Tile:
-    picture = _cropped(analysis, analysis.image.to_rgba())
+def _input_tile(analysis: ToonAnalysis, small: Thumbnail) -> _Tile:
+    picture = small.picture(analysis.image.color[analysis.drawing.places(small.pixels)])
     return _Tile(picture, "input", _angles(analysis.light), np.asarray(analysis.light))
 
 
-def _materials_tile(analysis: ToonAnalysis) -> _Tile:
+def _materials_tile(analysis: ToonAnalysis, small: Thumbnail) -> _Tile:
     count, flat = analysis.materials.count, int(analysis.materials.flat.sum())
-    colors = label_picture(analysis.materials.labels)[..., :3]
-    return _Tile(_within_mask(analysis, colors), "materials", f"{count}, {flat or 'none'} flat", None)
+    labels = analysis.materials.labels[analysis.drawing.places(small.object_pixels)]
+    colors = label_picture(labels[None])[0, :, :3]
+    return _Tile(small.of_object(colors), "materials", f"{count}, {flat or 'none'} flat", None)
 
 
 def _color_map_tile(analysis: ToonAnalysis) -> _Tile:
@@ -121,17 +126,9 @@ def _color_map_tile(analysis: ToonAnalysis) -> _Tile:
     return _Tile(ball, "color map", "on a ball", None)
 
 
-def _normal_tile(analysis: ToonAnalysis) -> _Tile:
-    colors = encode_normal_map(analysis.normals).astype(np.uint8)
-    return _Tile(_within_mask(analysis, colors), "normals", f"method {analysis.method}", None)
-
-
-def _within_mask(analysis: ToonAnalysis, colors: NDArray[np.uint8]) -> Image.Image:
-    """Fit colors (H, W, 3) of the object's pixels into a tile; the fringe has none."""
-    alpha = np.where(analysis.image.mask, analysis.image.alpha, 0.0)
-    return _cropped(
-        analysis, np.concatenate([colors, np.round(alpha[..., None] * 255).astype(np.uint8)], axis=-1)
-    )
+def _normal_tile(analysis: ToonAnalysis, small: Thumbnail) -> _Tile:
+    colors = eight_bit((analysis.normals.compact[small.object_pixels] + 1) / 2)
+    return _Tile(small.of_object(colors), "normals", f"method {analysis.method}", None)
 
 
 def _angles(light: FloatArray) -> str:
@@ -139,19 +136,6 @@ def _angles(light: FloatArray) -> str:
     if round(elevation) == 90:
         return "from the front"
     return f"azimuth {round(azimuth) % 360}°, elevation {round(elevation)}°"
-
-
-def _cropped(analysis: ToonAnalysis, rgba: NDArray[np.uint8]) -> Image.Image:
-    """Cut a picture down to the object's bounding box and fit it into a tile."""
-    rows, columns = np.nonzero(analysis.image.alpha > 0)
-    box = rgba[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]
-    room = _TILE - 2 * _PADDING
-    scale = room / max(box.shape[:2])
-    if scale >= 2:  # pixel art keeps its pixels
-        whole = int(scale)
-        return Image.fromarray(box.repeat(whole, axis=0).repeat(whole, axis=1))
-    size = (max(1, round(box.shape[1] * scale)), max(1, round(box.shape[0] * scale)))
-    return Image.fromarray(np.ascontiguousarray(box)).resize(size, Image.Resampling.LANCZOS)
 
 
 def _sheet(tiles: list[_Tile], color_map: ColorMap) -> NDArray[np.uint8]:

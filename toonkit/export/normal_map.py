@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
-import imagecodecs
-import numpy as np
-
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
+from toonkit.export.picture import encode_png
 from toonkit.model.normals import GreenAxis, NormalField, encode_normal_map
 
 
@@ -35,6 +33,6 @@ def write_normal_map(
     """
     suffix_of(path, (".png",))
     colors = encode_normal_map(normals, bits=bits, green=green)
-    encoded = imagecodecs.png_encode(np.ascontiguousarray(colors))
+    encoded = encode_png(colors)
     with atomic_write(path) as file:
         file.write(encoded)
