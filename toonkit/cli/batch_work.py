@@ -1,0 +1,192 @@
+"""The drawings of a batch, analyzed in this process, in several ones, or by the workers of a dask cluster."""
+
+from __future__ import annotations
+
+import os
+import signal
+import tempfile
+import threading
+from collections import deque
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, replace
+from functools import partial
+from multiprocessing import get_context, parent_process
+from multiprocessing.connection import wait as wait_for
+from pathlib import Path
+from typing import Any
+
+from toonkit._validation import ToonkitError
+from toonkit.cli.drawing_work import DrawingWork, analyze_drawing
+
+AHEAD = 2
+"""Drawings that are handed over for each worker, so that none waits for the next."""
+
+ENDED = "its process ended while it was analyzed, perhaps for want of memory"
+
+
+@dataclass(frozen=True)
+class BatchItem:
+    """A drawing of a batch, and the folder of its analysis."""
+
+    work: DrawingWork
+    folder: Path
+
+
+Outcome = tuple[BatchItem, str | None]
+"""An item that is done, and why it failed if it did."""
+
+Outcomes = Generator[Outcome, None, None]
+
+
+def analyzed_here(items: Iterable[BatchItem]) -> Outcomes:
+    """Analyze drawings in this process, one after the other."""
+    for item in items:
+        yield item, _analyzed(item)
+
+
+def analyzed_in_processes(items: Sequence[BatchItem], workers: int) -> Outcomes:
+    """
+    Analyze drawings in processes on this machine; outcomes come in the order in which they are done.
+
+    Where a process ends, those that were handed over by then are analyzed again, each in a process of its own: so only a
+    drawing that ends its process fails.
+    """
+    waiting = deque(items)
+    while waiting:
+        suspects: list[BatchItem] = []
+        yield from _in_one_pool(waiting, min(workers, len(waiting)), suspects)
+        for item in suspects:
+            alone: list[BatchItem] = []
+            yield from _in_one_pool(deque([item]), 1, alone)
+            yield from ((lost, ENDED) for lost in alone)
+
+
+def _in_one_pool(waiting: deque[BatchItem], workers: int, suspects: list[BatchItem]) -> Iterator[Outcome]:
+    """Take what waits until nothing does, or a process has ended; then put aside what was handed over."""
+    running: dict[Future[str | None], BatchItem] = {}
+    # Not forked: numba's threads would be missing in the copies.
+    with ProcessPoolExecutor(workers, get_context("spawn"), initializer=_follow_parent) as pool:
+        try:
+            while waiting or running:
+                while waiting and not suspects and len(running) < AHEAD * workers:
+                    running[pool.submit(_analyzed, waiting[0])] = waiting[0]
+                    waiting.popleft()
+                for future in wait(running, return_when=FIRST_COMPLETED).done:
+                    item = running.pop(future)
+                    if isinstance(future.exception(), BrokenProcessPool):
+                        suspects.append(item)
+                    else:
+                        yield item, future.result()
+                if suspects and not running:
+                    return
+        except BrokenProcessPool:  # as the next one was handed over
+            suspects.extend(running.values())
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _follow_parent() -> None:
+    """Leave Ctrl-C, which a terminal sends to all, to the parent, and end when that does, even if it is killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+
+
+def _end_with(sentinel: int) -> None:
+    wait_for([sentinel])
+    os._exit(1)
+
+
+def analyzed_by_cluster(items: Sequence[BatchItem], scheduler: str) -> Outcomes:
+    """Have drawings analyzed by the workers of a dask scheduler, which need not see the files: they are sent."""
+    from toonkit.study.cluster import as_they_come, cluster_client  # noqa: PLC0415
+    from toonkit.study.provenance import installed_toonkit  # noqa: PLC0415
+
+    expected = installed_toonkit()
+    left = deque(items)
+    with cluster_client(None, scheduler, len(items)) as client:
+        most = AHEAD * max(sum(client.nthreads().values()), 1)
+        running: dict[Any, BatchItem] = {}
+
+        def hand_over() -> None:
+            while left and len(running) < most:
+                item = left.popleft()
+                content = item.work.file.read_bytes()
+                running[client.submit(_analyzed_there, item.work, content, expected, pure=False)] = item
+
+        hand_over()
+        for future in as_they_come(running, client):
+            item = running.pop(future)
+            if future.status == "finished":
+                yield item, _written(item, future.result())
+            elif future.status == "error":
+                yield item, _told(future.exception())
+            else:
+                running[future] = item
+                break
+            hand_over()
+        if running:
+            raise ToonkitError(
+                f"scheduler must stay reachable and have workers; got lost with {len(running) + len(left)} drawings to go: "
+                "run the same command again and it goes on"
+            )
+
+
+def _analyzed(item: BatchItem) -> str | None:
+    """Analyze a drawing into its folder, and return why it failed if it did."""
+    from toonkit.export.atomic import remove_leftovers  # noqa: PLC0415
+
+    try:
+        remove_leftovers(item.folder)
+        analyze_drawing(item.work, item.folder)
+    except Exception as error:  # the other drawings are to be analyzed whatever happens to this one
+        return _told(error)
+    return None
+
+
+def _analyzed_there(work: DrawingWork, content: bytes, toonkit: str) -> dict[str, bytes] | str:
+    """Analyze a drawing on a worker, given the content of its file: return that of the files written, or why it failed."""
+    from toonkit.study.provenance import installed_toonkit  # noqa: PLC0415
+
+    if installed_toonkit() != toonkit:
+        return f"its worker must have toonkit {toonkit}; got {installed_toonkit()}"
+    with tempfile.TemporaryDirectory() as name:
+        file, folder = Path(name) / work.file.name, Path(name) / "analysis"
+        file.write_bytes(content)
+        try:
+            _, written = analyze_drawing(replace(work, file=file), folder)
+        except Exception as error:
+            return _told(error).replace(str(file), str(work.file))
+        return {path.name: path.read_bytes() for path in written}
+
+
+def _written(item: BatchItem, files: dict[str, bytes] | str) -> str | None:
+    """Write the files that a worker returned, and return why it or that failed if it did."""
+    from toonkit.export.atomic import remove_leftovers  # noqa: PLC0415
+    from toonkit.export.folder import fill_folder, make_folder  # noqa: PLC0415
+
+    if isinstance(files, str):
+        return files
+    try:
+        folder = make_folder(item.folder)
+        remove_leftovers(folder)
+        fill_folder(folder, {name: partial(_write, content) for name, content in files.items()})
+    except ToonkitError as error:
+        return _told(error)
+    return None
+
+
+def _write(content: bytes, path: Path) -> None:
+    from toonkit.export.atomic import atomic_write  # noqa: PLC0415
+
+    with atomic_write(path) as file:
+        file.write(content)
+
+
+def _told(error: BaseException) -> str:
+    """Return an error in one line; of one that is no refusal also its type."""
+    message = " ".join(str(error).split())
+    return message if isinstance(error, ToonkitError) else f"{type(error).__name__}: {message}"

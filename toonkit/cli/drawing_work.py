@@ -1,0 +1,116 @@
+"""From a drawing's file to the folder of its analysis: what `toonkit analyze` does once and `toonkit batch` many times."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from toonkit.cli.lights import parse_angles, parse_light
+
+if TYPE_CHECKING:
+    from toonkit.analysis import ToonAnalysis
+
+ESTIMATED = "auto"
+"""What is typed in place of a light that is to be estimated."""
+
+
+@dataclass(frozen=True)
+class DrawingWork:
+    """
+    A drawing to be analyzed, and how.
+
+    Attributes
+    ----------
+    drawing : str
+        What the report calls it.
+    file : Path
+        The picture file.
+    light : str
+        AZIMUTH,ELEVATION, or `ESTIMATED`.
+    method : str
+        Name in `toonkit.METHODS`.
+    mask, materials : Path or None
+        Picture files that say where the object and its materials are.
+    """
+
+    drawing: str
+    file: Path
+    light: str = ESTIMATED
+    method: str = "toonkit"
+    mask: Path | None = None
+    materials: Path | None = None
+
+    def inputs(self) -> dict[str, Any]:
+        """Return, as JSON, what the analysis depends on besides toonkit: digests of the files, and the options."""
+        files = {"drawing": self.file, "mask": self.mask, "materials": self.materials}
+        return {
+            **{name: None if path is None else _digest(path) for name, path in files.items()},
+            "light": None if self.light == ESTIMATED else list(parse_angles(self.light)),
+            "method": self.method,
+        }
+
+
+def analyze_drawing(
+    work: DrawingWork,
+    folder: str | Path,
+    *,
+    progress: Callable[[str, float], None] | None = None,
+    seconds: Callable[[], dict[str, float]] | None = None,
+) -> tuple[ToonAnalysis, dict[Path, str]]:
+    """
+    Analyze a drawing into a folder.
+
+    Parameters
+    ----------
+    work : DrawingWork
+        What to do.
+    folder : str or Path
+        Where to write; created if need be, once the drawing is read.
+    progress : callable, optional
+        Called with the step that runs and the fraction done.
+    seconds : callable, optional
+        Returns the seconds of each step so far, for the report.
+
+    Returns
+    -------
+    ToonAnalysis, dict
+        The analysis, and the files written, each with what it is.
+
+    Raises
+    ------
+    ToonkitError
+        If the drawing is refused, or the folder cannot be written to.
+    """
+    import toonkit  # noqa: PLC0415
+    from toonkit._validation import as_labels  # noqa: PLC0415
+    from toonkit.export.folder import INPUTS, make_folder, write_analysis_folder  # noqa: PLC0415
+    from toonkit.export.label_picture import read_labels  # noqa: PLC0415
+    from toonkit.metrics import color_rmse  # noqa: PLC0415
+
+    step = progress or (lambda _step, _fraction: None)
+    given = None if work.light == ESTIMATED else parse_light(work.light)
+    step("reading the drawing", 0.0)
+    image = toonkit.load_image(work.file, mask=work.mask)
+    materials = None
+    if work.materials is not None:
+        materials = as_labels("materials", read_labels(work.materials), image.mask)
+    inputs = work.inputs()
+    make_folder(folder)  # before the long work, so that a bad name costs no time
+    analysis = toonkit.analyze(image, given, method=work.method, materials=materials, progress=step)
+    step("writing", 1.0)
+    notes: dict[str, Any] = {
+        "drawing": work.drawing,
+        INPUTS: inputs,
+        "input_fit_rmse": float(color_rmse(analysis.picture, image)),
+    }
+    if seconds is not None:
+        notes["seconds"] = seconds()
+    return analysis, write_analysis_folder(analysis, folder, notes=notes)
+
+
+def _digest(path: Path) -> str:
+    with path.expanduser().open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
