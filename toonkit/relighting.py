@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
@@ -99,45 +101,48 @@ def relight(
 
 def relight_pixels(
     analysis: ToonAnalysis,
-    new_light: FloatArray,
+    new_lights: Sequence[FloatArray],
     pixels: NDArray[np.intp],
     *,
     keep_detail: bool = True,
-) -> FloatArray:
+) -> Iterator[FloatArray]:
     """
-    Return the colors that some pixels take under a new light, for pictures that show a drawing reduced.
+    Yield the colors that some pixels take under new lights, for pictures that show a drawing reduced.
 
     Parameters
     ----------
     analysis : ToonAnalysis
         The picture taken apart.
-    new_light : ndarray, shape (3,)
-        Unit vector from the surface to the new light.
+    new_lights : sequence of ndarray, shape (3,)
+        Unit vectors from the surface to the new lights.
     pixels : ndarray of int, shape (n,)
         Which of the object's pixels, counted in row-major order.
     keep_detail : bool, optional
         As in `relight`.
 
-    Returns
-    -------
+    Yields
+    ------
     ndarray, shape (n, 3)
-        sRGB, to the last bit those of `relight`.
+        sRGB under each light, to the last bit the colors of `relight`.
     """
-    image, drawing, materials = analysis.image, analysis.drawing, analysis.materials
+    drawing, light = analysis.drawing, analysis.light
     place, mixed = drawing.mixed.among(pixels)
     # Painted as a picture one pixel wide, with the pixels that the mixed ones show.
     every = np.concatenate([pixels, mixed.sources.ravel()])
     at = drawing.places(every)
-    painted, normals = image.color[at][:, None], analysis.normals.compact[every]
-    color = np.empty_like(painted)
-    run_in_bands(
-        _paint, materials.labels[at][:, None], np.arange(len(every)), normals, painted, analysis.light, new_light,
-        *_stacked(materials), turn_share(analysis.light, new_light) if keep_detail else 1.0, keep_detail, color,
-    )  # fmt: skip
-    left = highlights_left(normals[place] @ (new_light - analysis.light))
-    before, after = (colors[len(pixels) :].reshape(-1, 2, 3) for colors in (painted, color))
-    color[place, 0] = mixed.over(before, after, left)
-    return color[: len(pixels), 0]
+    labels, painted = analysis.materials.labels[at][:, None], analysis.image.color[at][:, None]
+    rows, normals = np.arange(len(every)), analysis.normals.compact[every]
+    for new_light in new_lights:
+        color = np.empty_like(painted)
+        strength = turn_share(light, new_light) if keep_detail else 1.0
+        run_in_bands(
+            _paint, labels, rows, normals, painted, light, new_light,
+            *_stacked(analysis.materials), strength, keep_detail, color,
+        )  # fmt: skip
+        left = highlights_left(normals[place] @ (new_light - light))
+        before, after = (colors[len(pixels) :].reshape(-1, 2, 3) for colors in (painted, color))
+        color[place, 0] = mixed.over(before, after, left)
+        yield color[: len(pixels), 0]
 
 
 def highlights_left(change: FloatArray) -> FloatArray:

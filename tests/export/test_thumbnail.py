@@ -18,7 +18,8 @@ def test_pixels_are_relit_as_in_the_whole_picture(request, which, keep_detail):
     analysis = request.getfixturevalue(which)
     pixels = np.arange(int(analysis.image.mask.sum()))[::-3]
     whole = relight(analysis, LIGHT, keep_detail=keep_detail).color[analysis.image.mask]
-    assert np.array_equal(relight_pixels(analysis, LIGHT, pixels, keep_detail=keep_detail), whole[pixels])
+    (found,) = relight_pixels(analysis, [LIGHT], pixels, keep_detail=keep_detail)
+    assert np.array_equal(found, whole[pixels])
 
 
 @pytest.mark.parametrize("which", ["analysis", "several"])
@@ -27,7 +28,7 @@ def test_a_small_drawing_is_shown_whole_with_its_soft_outline(request, which, ke
     analysis = request.getfixturevalue(which)
     rows, columns = (np.flatnonzero((analysis.image.alpha > 0).any(axis=axis)) for axis in (1, 0))
     small = Thumbnail.of(analysis, max(len(rows), len(columns)) * 2)
-    painted = relight_pixels(analysis, LIGHT, small.pixels, keep_detail=keep_detail)
+    (painted,) = relight_pixels(analysis, [LIGHT], small.pixels, keep_detail=keep_detail)
     shown = np.asarray(small.picture(painted, keep_detail=keep_detail))[::2, ::2]
     whole = relight(analysis, LIGHT, keep_detail=keep_detail).to_rgba()
     assert np.array_equal(shown, whole[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1])
@@ -44,7 +45,8 @@ def large():
 def test_a_large_drawing_is_shown_as_if_all_of_its_pixels_were_painted(large):
     side = 60
     small = Thumbnail.of(large, side)
-    shown = small.picture(relight_pixels(large, LIGHT, small.pixels))
+    (painted,) = relight_pixels(large, [LIGHT], small.pixels)
+    shown = small.picture(painted)
     assert max(shown.size) == side
     rgba = relight(large, LIGHT).to_rgba()
     rows, columns = np.nonzero(rgba[..., 3])

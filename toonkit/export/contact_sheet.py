@@ -102,8 +102,8 @@ def contact_sheet(
         _Tile(base, "base color", "without shading", None),
         _normal_tile(analysis, small),
     ]
-    for light in checked:
-        relit = relight_pixels(analysis, light, small.pixels, keep_detail=keep_detail)
+    relit_colors = relight_pixels(analysis, checked, small.pixels, keep_detail=keep_detail)
+    for light, relit in zip(checked, relit_colors, strict=True):
         picture = small.picture(relit, keep_detail=keep_detail)
         tiles.append(_Tile(picture, "relit", _angles(light), light))
     return _sheet(tiles, MATTE if several else analysis.color_map)
