@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -143,11 +144,11 @@ def _sheet(tiles: list[_Tile], color_map: ColorMap) -> NDArray[np.uint8]:
     width = 2 * _MARGIN + _COLUMNS * _TILE + (_COLUMNS - 1) * _GAP
     height = 2 * _MARGIN - _GAP + rows * (_TILE + _CAPTION + _GAP) - _CAPTION // 4  # captions end above that
     sheet = Image.new("RGB", (width, height), _SHEET)
-    card, outline = _card(), _rounded(outline=True)
+    card, corners, outline = _card(), _rounded(outline=False), _rounded(outline=True)
     for index, tile in enumerate(tiles):
         row, column = divmod(index, _COLUMNS)
         left, top = _MARGIN + column * (_TILE + _GAP), _MARGIN + row * (_TILE + _CAPTION + _GAP)
-        sheet.paste(card, (left, top), _rounded(outline=False))
+        sheet.paste(card, (left, top), corners)
         x, y = left + (_TILE - tile.picture.width) // 2, top + (_TILE - tile.picture.height) // 2
         sheet.paste(tile.picture, (x, y), tile.picture)
         if tile.light is not None:
@@ -160,10 +161,15 @@ def _sheet(tiles: list[_Tile], color_map: ColorMap) -> NDArray[np.uint8]:
 
 def _caption(sheet: Image.Image, tile: _Tile, left: int, top: int) -> None:
     draw = ImageDraw.Draw(sheet)
-    strong, small = ImageFont.load_default(size=15), ImageFont.load_default(size=13)
+    strong, small = _font(15), _font(13)
     draw.text((left + 3, top), tile.title, fill=_INK, font=strong)
     across = draw.textlength(tile.detail, font=small)
     draw.text((left + _TILE - 3 - across, top + 1), tile.detail, fill=_FAINT_INK, font=small)
+
+
+@cache
+def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    return ImageFont.load_default(size=size)
 
 
 def _card() -> Image.Image:

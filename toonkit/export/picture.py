@@ -13,8 +13,9 @@ from toonkit._validation import refuse
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.model.image import ToonImage
 
-PNG_LEVEL = 3
-"""How hard PNG files are compressed: half the time of the usual 6, for files that are a fifth larger."""
+# Flat paint and smooth normals repeat the row above: files come out a tenth larger than with zlib's usual level and a filter
+# chosen row by row, in a third of the time.
+_PNG_LEVEL, _PNG_FILTER = 1, imagecodecs.PNG.FILTER.UP
 
 _WEBP_LONGEST_SIDE = 16383
 
@@ -58,4 +59,4 @@ def encode_picture(pixels: NDArray[np.uint8], suffix: str) -> bytes:
 
 def encode_png(pixels: NDArray[np.unsignedinteger]) -> bytes:
     """Return the bytes of a .png file of 8 or 16 bits a channel; other threads go on meanwhile."""
-    return bytes(imagecodecs.png_encode(pixels, level=PNG_LEVEL))
+    return bytes(imagecodecs.png_encode(pixels, level=_PNG_LEVEL, filter=_PNG_FILTER))

@@ -28,8 +28,8 @@ class Thumbnail:
     ----------
     pixels : ndarray of int, shape (n + m,)
         Those of the object, counted in row-major order, and then those whose colors the m pixels of the fringe follow.
-    object_places, fringe_places : (ndarray, ndarray)
-        Row and column of the n and of the m in the reduced picture.
+    object_places, fringe_places : ndarray of int, shapes (n,) and (m,)
+        Where the n and the m are in the reduced picture, counted in row-major order.
     fringe_drawn, fringe_followed : ndarray, shape (m, 3)
         Colors of the fringe in the drawing, sRGB, and those that they follow.
     alpha : ndarray of uint8, shape (h, w)
@@ -41,8 +41,8 @@ class Thumbnail:
     """
 
     pixels: NDArray[np.intp]
-    object_places: Places
-    fringe_places: Places
+    object_places: NDArray[np.intp]
+    fringe_places: NDArray[np.intp]
     fringe_drawn: FloatArray
     fringe_followed: FloatArray
     alpha: NDArray[np.uint8]
@@ -58,7 +58,8 @@ class Thumbnail:
         step = max(1, max(whole) // (SAMPLES * side))
         top, left = rows.start + step // 2, columns.start + step // 2
         shown = slice(top, rows.stop, step), slice(left, columns.stop, step)
-        own = np.nonzero(image.mask[shown])
+        mask = image.mask[shown]
+        own, width = np.nonzero(mask), mask.shape[1]
         fringe = np.flatnonzero(_on_grid(image.fringe_places, (top, left), step))
         sources = tuple(at[fringe] for at in image.fringe_sources)
         at = (own[0] * step + top, own[1] * step + left), sources
@@ -66,10 +67,10 @@ class Thumbnail:
         pixels = [drawing.grid.index[along[0] - box[0], along[1] - box[1]] for along in at]
         return cls(
             pixels=np.concatenate(pixels).astype(np.intp),
-            object_places=(own[0], own[1]),
+            object_places=own[0] * width + own[1],
             fringe_places=(
-                (image.fringe_places[0][fringe] - top) // step,
-                (image.fringe_places[1][fringe] - left) // step,
+                (image.fringe_places[0][fringe] - top) // step * width
+                + (image.fringe_places[1][fringe] - left) // step
             ),
             fringe_drawn=image.fringe_colors[fringe],
             fringe_followed=image.color[sources],
@@ -81,25 +82,26 @@ class Thumbnail:
     @property
     def object_pixels(self) -> NDArray[np.intp]:
         """The first n of the pixels."""
-        return self.pixels[: len(self.object_places[0])]
+        return self.pixels[: len(self.object_places)]
 
     def picture(self, colors: FloatArray, *, keep_detail: bool = True) -> Image.Image:
         """Paint the pixels in their order (n + m, 3); without its detail the fringe has the colors that it follows."""
-        count = len(self.object_places[0])
+        count = len(self.object_places)
         own, fringe = colors[:count], colors[count:]
         if keep_detail:
             fringe = np.clip(fringe + self.fringe_drawn - self.fringe_followed, 0.0, 1.0)
         rgba = np.zeros((*self.alpha.shape, 4), np.uint8)
         rgba[..., 3] = self.alpha
         for places, painted in ((self.object_places, own), (self.fringe_places, fringe)):
-            rgba[(*places, slice(0, 3))] = eight_bit(painted)
+            rgba.reshape(-1, 4)[places, :3] = eight_bit(painted)
         return self._fitted(rgba)
 
     def of_object(self, colors: NDArray[np.uint8]) -> Image.Image:
         """Paint the pixels of the object alone, in colors (n, 3)."""
         rgba = np.zeros((*self.alpha.shape, 4), np.uint8)
-        rgba[(*self.object_places, slice(0, 3))] = colors
-        rgba[(*self.object_places, 3)] = self.alpha[self.object_places]
+        pixels = rgba.reshape(-1, 4)
+        pixels[self.object_places, :3] = colors
+        pixels[self.object_places, 3] = self.alpha.ravel()[self.object_places]
         return self._fitted(rgba)
 
     def _fitted(self, rgba: NDArray[np.uint8]) -> Image.Image:
