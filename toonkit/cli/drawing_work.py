@@ -89,6 +89,7 @@ def analyze_drawing(
     from toonkit.export.folder import INPUTS, make_folder, write_analysis_folder  # noqa: PLC0415
     from toonkit.export.label_picture import read_labels  # noqa: PLC0415
     from toonkit.metrics import color_rmse  # noqa: PLC0415
+    from toonkit.numerics.bands import single_threaded_blas  # noqa: PLC0415
 
     step = progress or (lambda _step, _fraction: None)
     given = None if work.light == ESTIMATED else parse_light(work.light)
@@ -101,11 +102,9 @@ def analyze_drawing(
     make_folder(folder)  # before the long work, so that a bad name costs no time
     analysis = toonkit.analyze(image, given, method=work.method, materials=materials, progress=step)
     step("writing", 1.0)
-    notes: dict[str, Any] = {
-        "drawing": work.drawing,
-        INPUTS: inputs,
-        "input_fit_rmse": float(color_rmse(analysis.picture, image)),
-    }
+    with single_threaded_blas():
+        rmse = float(color_rmse(analysis.picture, image))
+    notes: dict[str, Any] = {"drawing": work.drawing, INPUTS: inputs, "input_fit_rmse": rmse}
     if seconds is not None:
         notes["seconds"] = seconds()
     return analysis, write_analysis_folder(analysis, folder, notes=notes)
