@@ -21,7 +21,7 @@ from toonkit._validation import ToonkitError
 from toonkit.cli.drawing_work import DrawingWork, analyze_drawing
 
 AHEAD = 2
-"""Drawings that are handed over for each worker, so that none waits for the next."""
+"""Drawings that are sent to each worker of a cluster, so that none waits for the next."""
 
 ENDED = "its process ended while it was analyzed, perhaps for want of memory"
 
@@ -70,7 +70,8 @@ def _in_one_pool(waiting: deque[BatchItem], workers: int, suspects: list[BatchIt
     with ProcessPoolExecutor(workers, get_context("spawn"), initializer=_follow_parent) as pool:
         try:
             while waiting or running:
-                while waiting and not suspects and len(running) < AHEAD * workers:
+                # One is handed over in advance, so that no process waits.
+                while waiting and not suspects and len(running) <= workers:
                     running[pool.submit(_analyzed, waiting[0])] = waiting[0]
                     waiting.popleft()
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
