@@ -26,11 +26,11 @@ from toonkit.export.archive import load_analysis, save_analysis
 from toonkit.export.color_map import read_color_map, write_color_map, write_color_maps
 from toonkit.export.contact_sheet import contact_sheet
 from toonkit.export.folder import make_folder, write_analysis_folder
-from toonkit.export.label_picture import label_picture
 from toonkit.export.line_art import line_art
 from toonkit.export.normal_map import write_normal_map
 from toonkit.export.picture import write_picture
 from toonkit.export.report import analysis_report, write_report
+from toonkit.model.label_colors import label_picture
 from toonkit.model.normals import decode_normal_map, encode_normal_map
 
 SHAPE = ellipse(10, 8)

@@ -117,7 +117,8 @@ def as_real(argument: str, value: ArrayLike, *, copy: bool = True) -> FloatArray
     """Return `value` as float64 of its own shape, refusing anything that is not a real array."""
     array = any_array(argument, value)
     if array.dtype.kind not in "biuf":
-        raise refuse(argument, "must hold real numbers", f"dtype {array.dtype}")
+        shown = describe_value(value) if isinstance(value, str) else f"dtype {array.dtype}"
+        raise refuse(argument, "must hold real numbers", shown)
     with np.errstate(
         over="ignore", invalid="ignore"
     ):  # a long double becomes infinite, a signaling NaN a quiet one

@@ -81,7 +81,10 @@ def _read_open(argument: str, file: Any, limit: int) -> bytes:
     pieces: list[bytes] = []
     size = 0
     while size <= limit:
-        piece: Any = file.read(_PIECE)
+        try:
+            piece: Any = file.read(_PIECE)
+        except (OSError, ValueError) as error:  # the latter if it is closed, or text that is none
+            raise refuse(argument, "must be a readable file", f"{error}") from error
         if not isinstance(piece, bytes):
             raise refuse(
                 argument, 'must be opened in binary mode ("rb")', f"a file of {type(piece).__name__}"
