@@ -6,7 +6,7 @@ from PIL import Image
 
 import toonkit
 from tests.analytic import LIGHT, SOFT, ellipse, painted
-from toonkit import METHODS, ToonkitError, analyze, load_analysis, relight
+from toonkit import METHODS, ToonkitError, analyze, angular_error, load_analysis, relight
 from toonkit._validation import describe_value
 from toonkit.model.normals import decode_normal_map
 from toonkit.samples import sample_path
@@ -25,7 +25,7 @@ def test_an_analysis_is_saved_and_loaded(analysis, tmp_path):
     analysis.save(tmp_path / "egg.npz")
     found = load_analysis(tmp_path / "egg.npz")
     assert repr(found) == repr(analysis)
-    assert np.array_equal(found.normals.compact, analysis.normals.compact)
+    assert np.nanmax(angular_error(found.normals, analysis.normals).map) < 0.01  # as archives round
 
 
 def test_a_relit_picture_is_saved_with_its_outline(analysis, tmp_path):

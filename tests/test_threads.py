@@ -33,6 +33,7 @@ def test_an_estimated_light_and_all_that_follows_do_not_depend_on_cores_and_thre
     write_picture(draw_scene(2, size=SIZE).image, path)
     expected = toonkit.analyze(path)
     assert expected.light_estimate is not None
+    expected.save(tmp_path / "expected.npz")
     for cores, threads in ((1, 1), (os.cpu_count() or 1, 7)):
         folder: Path = tmp_path / f"{cores}"
         environment = {**os.environ, "OPENBLAS_NUM_THREADS": str(threads), "OMP_NUM_THREADS": str(threads)}
@@ -42,5 +43,6 @@ def test_an_estimated_light_and_all_that_follows_do_not_depend_on_cores_and_thre
         assert found.light_estimate is not None
         assert found.light_estimate.confidence == expected.light_estimate.confidence
         assert np.array_equal(found.light, expected.light)
-        assert np.array_equal(found.normals.compact, expected.normals.compact)
         assert np.array_equal(found.report.energies, expected.report.energies)
+        # Archives round normals, but the energies above are those of the normals before that.
+        assert (folder / "analysis.npz").read_bytes() == (tmp_path / "expected.npz").read_bytes()

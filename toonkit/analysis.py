@@ -129,17 +129,21 @@ class ToonAnalysis:
         paint = self.drawing.paint.copy()
         for own, _, shown in self._shaded():
             paint[own] = shown
-        return self._composed(paint)
+        return self._painted(self._composed(paint))
 
     @property
     def base_color(self) -> ToonImage:
         """The drawing without its painted shading: each material in its lit tone, with its texture, ink and alpha."""
+        return self._painted(self.base_colors())
+
+    def base_colors(self) -> FloatArray:
+        """Return the base color of the object's pixels alone, sRGB, shape (P, 3)."""
         paint = self.drawing.paint.copy()
         for own, lit, shown in self._shaded():
             detail = paint[own] - shown
             size = np.einsum("pc,pc->p", detail, detail) / TEXTURE**2
             paint[own] = lit + np.maximum(1.0 - size, 0.0)[:, None] * detail
-        return self._composed(np.clip(paint, 0.0, 1.0), highlights=0.0)
+        return self._composed(np.clip(paint, 0.0, 1.0, out=paint), highlights=0.0)
 
     def intervals(self) -> IlluminationInterval:
         """Range of illumination that each pixel's painted color allows, (H, W) bounds, NaN outside the mask."""
@@ -172,11 +176,15 @@ class ToonAnalysis:
             if material.tones is not None:
                 yield material.pixels, color_map.colors[-1], color_map(value[material.pixels])
 
-    def _composed(self, paint: FloatArray, *, highlights: float = 1.0) -> ToonImage:
+    def _composed(self, paint: FloatArray, *, highlights: float = 1.0) -> FloatArray:
         """Put other paint (P, 3) under the drawing's ink and highlights, and mix it where the drawing does."""
         mixed = self.drawing.mixed
         before, after = self.drawing.paint[mixed.sources], paint[mixed.sources]
         paint[mixed.pixels] = mixed.over(before, after, highlights)
+        return paint
+
+    def _painted(self, paint: FloatArray) -> ToonImage:
+        """Return the picture of which the object's pixels have these colors (P, 3)."""
         color = np.full_like(self.image.color, np.nan)
         color[self.image.mask] = paint
-        return ToonImage(color, self.image.mask, alpha=self.image.alpha)
+        return ToonImage.like(self.image, color, color[self.image.fringe_sources])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -88,19 +90,66 @@ def relight(
     image, drawing, materials = analysis.image, analysis.drawing, analysis.materials
     strength = flat_shading * (turn_share(analysis.light, light) if keep_detail else 1.0)
     color = np.empty_like(image.color)
+    before = np.cumsum(np.count_nonzero(image.mask, axis=1)) - np.count_nonzero(image.mask, axis=1)
     run_in_bands(
-        _paint, materials.labels, analysis.normals.vectors, image.color, analysis.light, light,
+        _paint, materials.labels, before, analysis.normals.compact, image.color, analysis.light, light,
         *_stacked(materials), float(strength), bool(keep_detail), color,
     )  # fmt: skip
     mixed = drawing.mixed
     sources = drawing.places(mixed.sources)
     place = drawing.places(mixed.pixels)
-    left = highlights_left(analysis.normals.vectors[place] @ (light - analysis.light))
+    left = highlights_left(analysis.normals.compact[mixed.pixels] @ (light - analysis.light))
     color[place] = mixed.over(image.color[sources], color[sources], left)
     fringe = color[image.fringe_sources]
     if keep_detail:
         fringe = np.clip(fringe + image.fringe_colors - image.color[image.fringe_sources], 0.0, 1.0)
     return ToonImage.like(image, color, fringe)
+
+
+def relight_pixels(
+    analysis: ToonAnalysis,
+    new_lights: Sequence[FloatArray],
+    pixels: NDArray[np.intp],
+    *,
+    keep_detail: bool = True,
+) -> Iterator[FloatArray]:
+    """
+    Yield the colors that some pixels take under new lights, for pictures that show a drawing reduced.
+
+    Parameters
+    ----------
+    analysis : ToonAnalysis
+        The picture taken apart.
+    new_lights : sequence of ndarray, shape (3,)
+        Unit vectors from the surface to the new lights.
+    pixels : ndarray of int, shape (n,)
+        Which of the object's pixels, counted in row-major order.
+    keep_detail : bool, optional
+        As in `relight`.
+
+    Yields
+    ------
+    ndarray, shape (n, 3)
+        sRGB under each light, to the last bit the colors of `relight`.
+    """
+    drawing, light = analysis.drawing, analysis.light
+    place, mixed = drawing.mixed.among(pixels)
+    # Painted as a picture one pixel wide, with the pixels that the mixed ones show.
+    every = np.concatenate([pixels, mixed.sources.ravel()])
+    at = drawing.places(every)
+    labels, painted = analysis.materials.labels[at][:, None], analysis.image.color[at][:, None]
+    rows, normals = np.arange(len(every)), analysis.normals.compact[every]
+    for new_light in new_lights:
+        color = np.empty_like(painted)
+        strength = turn_share(light, new_light) if keep_detail else 1.0
+        run_in_bands(
+            _paint, labels, rows, normals, painted, light, new_light,
+            *_stacked(analysis.materials), float(strength), bool(keep_detail), color,
+        )  # fmt: skip
+        left = highlights_left(normals[place] @ (new_light - light))
+        before, after = (colors[len(pixels) :].reshape(-1, 2, 3) for colors in (painted, color))
+        color[place, 0] = mixed.over(before, after, left)
+        yield color[: len(pixels), 0]
 
 
 def highlights_left(change: FloatArray) -> FloatArray:
@@ -128,21 +177,27 @@ def _stacked(materials: Materials) -> tuple[FloatArray, NDArray[np.intp], FloatA
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _paint(  # type: ignore[no-untyped-def]
-    labels, normals, painted, light, new_light, colors, starts, domains, flat, base, strength, keep_detail, color,
+    labels, before, normals, painted, light, new_light, colors, starts, domains, flat, base, strength, keep_detail, color,
     first, last,
 ):  # fmt: skip
-    """Paint the rows from first to last; NaN where there is no object."""
+    """
+    Paint the rows from first to last; NaN where there is no object.
+
+    Normals (P, 3) are those of the object's pixels alone, of which `before` counts those above each row.
+    """
     lx, ly, lz = light
     x, y, z = new_light
     for row in range(first, last):
+        pixel = before[row] - 1
         for column in range(labels.shape[1]):
             which = labels[row, column]
             if which < 0:
                 color[row, column, 0] = color[row, column, 1] = color[row, column, 2] = np.nan
                 continue
+            pixel += 1
             ramp = colors[starts[which] : starts[which + 1]]
             low, high = domains[which, 0], domains[which, 1]
-            n0, n1, n2 = normals[row, column, 0], normals[row, column, 1], normals[row, column, 2]
+            n0, n1, n2 = normals[pixel, 0], normals[pixel, 1], normals[pixel, 2]
             was, now = lx * n0 + ly * n1 + lz * n2, x * n0 + y * n1 + z * n2
             red, green, blue = _mapped(ramp, low, high, now)
             if flat[which]:

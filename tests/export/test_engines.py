@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from toonkit import ToonkitError
-from toonkit.cli import ENGINE_NAMES
+from toonkit.cli import drawing_work
 from toonkit.export.engines import BLEED, ENGINES, write_engine_normal_map
 from toonkit.export.folder import write_analysis_folder
 from toonkit.export.light_profiles import PROFILE_LIGHTS, light_profiles, write_light_profiles
@@ -117,7 +117,8 @@ def test_soft_pixels_have_the_normals_of_the_rim_even_without_bleeding(analysis,
 
 
 def test_the_command_line_offers_every_engine():
-    assert tuple(ENGINES) == ENGINE_NAMES
+    assert tuple(ENGINES) == drawing_work.ENGINE_NAMES
+    assert drawing_work.BLEED == BLEED
     assert BLEED == 16  # as the help says
 
 

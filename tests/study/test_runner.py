@@ -305,7 +305,7 @@ def test_cells_that_find_no_worker_are_not_waited_for(monkeypatch):
     monkeypatch.setattr(cluster, "LOOK_SECONDS", 0.01)
     monkeypatch.setattr(cluster, "NO_WORKER_SECONDS", 0.05)
     cell = cells.Cell.of(plan().cells()[0], plan())
-    assert list(cluster._as_they_come({NeverDone(): cell}, Deserted())) == []
+    assert list(cluster.as_they_come({NeverDone(): cell}, Deserted())) == []
 
 
 def test_a_batch_for_another_toonkit_is_refused():

@@ -8,11 +8,12 @@ import pandas as pd
 import pytest
 
 from toonkit import ToonkitError
+from toonkit.export.sole_use import LOCK_NAME
 from toonkit.study.plan import plan_study
 from toonkit.study.provenance import provenance
 from toonkit.study.record_store import LOST, RecordStore
 from toonkit.study.runner import run_study
-from toonkit.study.study_folder import LOCK_NAME, opened_sidecar
+from toonkit.study.study_folder import opened_sidecar
 from toonkit.study.table import (
     COLUMN_TYPES,
     CSV_NAME,

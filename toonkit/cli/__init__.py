@@ -1,4 +1,4 @@
-"""The command line: `toonkit analyze`, `toonkit relight`, `toonkit samples`, `toonkit dashboard`, `toonkit study`.
+"""The command line: `toonkit analyze`, `relight`, `batch`, `samples`, `dashboard` and `study`.
 
 Everything heavy is imported inside the commands, so that `toonkit --version` and `--help` answer at once.
 """
@@ -14,7 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from toonkit._validation import ToonkitError, ToonkitWarning, expand_home, refuse
+from toonkit.cli.batch import add_batch_command
 from toonkit.cli.dashboard import add_dashboard_command
+from toonkit.cli.drawing_work import DrawingWork, add_work_options, analyze_drawing
 from toonkit.cli.lights import parse_light
 from toonkit.cli.progress import StepBar, show_warning
 from toonkit.cli.streams import complain, discard_output, prepare_streams
@@ -22,12 +24,6 @@ from toonkit.cli.study import add_study_commands
 
 if TYPE_CHECKING:
     from toonkit.analysis import ToonAnalysis
-
-METHOD_NAMES = ("toonkit", "classical", "todo", "lumo", "lambert")
-"""The keys of `toonkit.METHODS`, repeated so that the help does not have to import them."""
-
-ENGINE_NAMES = ("godot", "unity", "unreal", "blender", "cocos", "defold")
-"""The keys of `toonkit.export.engines.ENGINES`, repeated for the same reason."""
 
 SAMPLE_PREFIX = "sample:"
 
@@ -52,8 +48,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 if all went well, 1 if the system failed, such as a full disk under the summary, 2 if the input was refused (one
-        line on stderr says why), 130 if interrupted, 141 if nobody read the summary to its end.
+        0 if all went well, 1 if a drawing of a batch or a trial of a study failed, or the system did, such as a full disk
+        under the summary, 2 if the input was refused (one line on stderr says why), 130 if interrupted, 141 if nobody read
+        the summary to its end.
     """
     prepare_streams()
     try:
@@ -135,21 +132,7 @@ def _parser() -> argparse.ArgumentParser:
         help="label picture of the drawing's size, .png or .webp: each color is one material, transparent pixels are "
         "unknown; by default the materials are found",
     )
-    analyze.add_argument(
-        "--method", choices=METHOD_NAMES, default="toonkit", help="estimator (default: toonkit)"
-    )
-    analyze.add_argument(
-        "--engine",
-        choices=ENGINE_NAMES,
-        help="write a normal map for this engine, too, beside base_color.png: with alpha, and its green axis and suffix",
-    )
-    analyze.add_argument(
-        "--bleed",
-        type=float,
-        default=16,
-        metavar="PIXELS",
-        help="how far the engine's normal map goes on outside the drawing, for filtering and mipmaps (default: 16)",
-    )
+    add_work_options(analyze)
     analyze.add_argument("--quiet", action="store_true", help="no progress bar and no summary")
     analyze.set_defaults(run=_analyze)
 
@@ -197,6 +180,7 @@ def _parser() -> argparse.ArgumentParser:
     relight.add_argument("--quiet", action="store_true", help="no progress bar and no summary")
     relight.set_defaults(run=_relight)
 
+    add_batch_command(commands)
     samples = commands.add_parser("samples", help="list the drawings that toonkit ships")
     samples.set_defaults(run=_samples)
     add_dashboard_command(commands)
@@ -216,50 +200,42 @@ def _joined_lights(argv: Sequence[str]) -> list[str]:
 
 
 def _analyze(arguments: argparse.Namespace) -> int:
-    import toonkit  # noqa: PLC0415
-    from toonkit._validation import as_labels  # noqa: PLC0415
-    from toonkit.export.folder import make_folder, write_analysis_folder  # noqa: PLC0415
-    from toonkit.export.label_picture import read_labels  # noqa: PLC0415
-    from toonkit.metrics import color_rmse  # noqa: PLC0415
-
-    given = None if arguments.light == "auto" else parse_light(arguments.light)
+    work = DrawingWork(
+        arguments.drawing,
+        Path(_drawing(arguments.drawing)),
+        arguments.light,
+        arguments.method,
+        arguments.engine,
+        arguments.bleed,
+        mask=None if arguments.mask is None else Path(arguments.mask),
+        materials=None if arguments.materials is None else Path(arguments.materials),
+    )
     with StepBar(visible=not arguments.quiet) as progress:
-        progress("reading the drawing", 0.0)
-        image = toonkit.load_image(_drawing(arguments.drawing), mask=arguments.mask)
-        materials = None
-        if arguments.materials is not None:
-            materials = as_labels("materials", read_labels(arguments.materials), image.mask)
-        folder = make_folder(arguments.out)  # before the long work, so that a bad name costs no time
-        analysis = toonkit.analyze(
-            image, given, method=arguments.method, materials=materials, progress=progress
-        )
-        progress("writing", 1.0)
-        notes: dict[str, Any] = {
-            "drawing": arguments.drawing,
-            "input_fit_rmse": float(color_rmse(analysis.picture, image)),
-            "seconds": progress.seconds(),
-        }
-        written = write_analysis_folder(
-            analysis, folder, notes=notes, engine=arguments.engine, bleed=arguments.bleed
-        )
+        analysis, written = analyze_drawing(work, arguments.out, progress=progress, seconds=progress.seconds)
+        seconds = sum(progress.seconds().values())
     if not arguments.quiet:
-        _summarize(analysis, arguments.drawing, folder, notes)
+        _summarize(analysis, arguments.drawing, seconds)
+        print(f"written to {next(iter(written)).parent}:")
         width = max(len(path.name) for path in written)
         for path, what in written.items():
             print(f"  {path.name:<{width}}  {what}")
     return 0
 
 
-def _summarize(analysis: ToonAnalysis, drawing: str, folder: Path, notes: dict[str, Any]) -> None:
+def _summarize(analysis: ToonAnalysis, drawing: str, seconds: float) -> None:
+    from toonkit.estimation.light_fit import GUESS  # noqa: PLC0415
     from toonkit.export.report import ink_share  # noqa: PLC0415
     from toonkit.model.light import describe_light  # noqa: PLC0415
 
     estimate, materials = analysis.light_estimate, analysis.materials
-    source = "given" if estimate is None else f"estimated, confidence {estimate.confidence:.2f}"
-    seconds = sum(notes["seconds"].values())
+    assumed = estimate is not None and estimate.confidence < GUESS
+    source = "assumed" if assumed else "estimated"
+    source = "given" if estimate is None else f"{source}, confidence {estimate.confidence:.2f}"
     print(f"{drawing}: {int(analysis.image.mask.sum()):,} pixels analyzed in {seconds:.1f} s")
     print(f"light: {describe_light(analysis.light)} ({source})")
-    if estimate is not None and estimate.confidence < UNSURE:
+    if assumed:
+        print("       the drawing does not say where its light is; if you know, say so with --light AZ,EL")
+    elif estimate is not None and estimate.confidence < UNSURE:
         print("       this light is a guess; if you know where it was, say so with --light AZ,EL")
     flat = int(materials.flat.sum())
     if materials.count == 1:
@@ -268,7 +244,6 @@ def _summarize(analysis: ToonAnalysis, drawing: str, folder: Path, notes: dict[s
         print(f"materials: {materials.count}, {flat or 'none'} of them flat")
     if (share := ink_share(analysis.drawing)) > 0:
         print(f"line art: {100 * share:.1f} % of the drawing, which stays as drawn")
-    print(f"written to {folder}:")
 
 
 def _check_outputs(arguments: argparse.Namespace) -> None:

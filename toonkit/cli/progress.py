@@ -80,14 +80,36 @@ class TrialBar:
             self._bar.update()
 
     def _start(self, progress: StudyProgress) -> None:
-        from tqdm import tqdm  # noqa: PLC0415
+        self._bar = _counting_bar(progress.total, progress.done, "trial", visible=self._visible)
 
-        self._bar = tqdm(
-            total=progress.total,
-            initial=progress.done,
-            unit="trial",
-            smoothing=0.0,  # shapes differ much: the mean over all says best when it will be done
-            mininterval=0.2 if sys.stderr.isatty() else _LOG_SECONDS,
-            disable=not self._visible,
-            file=sys.stderr,
-        )
+
+class DrawingBar:
+    """Count the drawings of a batch, with the time left; in a log it is a line now and then."""
+
+    def __init__(self, total: int, done: int, *, visible: bool) -> None:
+        self._bar = _counting_bar(total, done, "drawing", visible=visible)
+
+    def __enter__(self) -> DrawingBar:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.close()
+
+    def count(self, name: str, *, failed: int) -> None:
+        """Count a drawing; `failed` says how many have failed so far."""
+        self._bar.set_postfix_str(f"{name}, {failed} failed" if failed else name, refresh=False)
+        self._bar.update()
+
+
+def _counting_bar(total: int, done: int, unit: str, *, visible: bool) -> Any:
+    from tqdm import tqdm  # noqa: PLC0415
+
+    return tqdm(
+        total=total,
+        initial=done,
+        unit=unit,
+        smoothing=0.0,  # what is counted differs much: the mean over all says best when it will be done
+        mininterval=0.2 if sys.stderr.isatty() else _LOG_SECONDS,
+        disable=not visible,
+        file=sys.stderr,
+    )

@@ -230,7 +230,9 @@ class PreparedDrawing:
     @property
     def framed_normals(self) -> FloatArray:
         """N0 on the frame, shape (h, w, 3)."""
-        return self.frame.cut(self.initial_normals.vectors[self.box])
+        vectors = np.zeros((*self.frame.mask.shape, 3))
+        vectors[self.frame.mask] = self.initial_normals.compact
+        return vectors
 
     @cached_property
     def _found(self) -> FoundMaterials:

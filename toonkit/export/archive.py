@@ -1,7 +1,8 @@
-"""Archives: an analysis as one .npz file, exact to the last bit and free of pickle."""
+"""Archives: an analysis as one .npz file, free of pickle: colors exact to the last bit, normals to 0.01 degrees."""
 
 from __future__ import annotations
 
+import zipfile
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from toonkit.estimation.light_fit import LightEstimate
 from toonkit.estimation.preparation import MOST_PIXELS, PreparedDrawing, prepare
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.export.npz import Arrays
+from toonkit.export.packing import pack_levels, pack_normals, unpack_levels, unpack_normals
 from toonkit.model.color_map import ColorMap
 from toonkit.model.decoding import MAX_PIXELS
 from toonkit.model.image import ToonImage
@@ -29,8 +31,11 @@ from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 from toonkit.numerics.report import SolverReport
 
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 """Raised whenever an older toonkit could misread a newer archive."""
+
+UNPACKED_VERSION = 2
+"""Archives of 64-bit numbers, which are still read."""
 
 ONE_MATERIAL_VERSION = 1
 """Archives with one color map for the whole drawing, which are still read."""
@@ -43,6 +48,9 @@ MOST_ENERGIES, MOST_CHARACTERS = 1_000_000, 10_000
 
 MOST_NAMES = 8
 """How many arrays a message names."""
+
+# At higher levels of zlib, packed numbers take several times as long and hardly get smaller.
+_COMPRESSION = 1
 
 
 def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
@@ -64,18 +72,19 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
     of_type("analysis", analysis, ToonAnalysis)
     suffix_of(path, (".npz",))
     image, report, estimate = analysis.image, analysis.report, analysis.light_estimate
-    touched = (image.alpha > 0) & ~image.mask
+    soft = np.flatnonzero(image.alpha != image.mask)
+    inflated, initial = analysis.drawing.initial_normals.compact, analysis.initial_normals.compact
     fields: dict[str, NDArray[Any]] = {
         "format_version": np.array(FORMAT_VERSION),
         "method": np.array(analysis.method),
         "light": analysis.light,
         "mask": image.mask,
-        "alpha": image.alpha,
+        "soft_places": soft.astype(np.int32),
+        "soft_alpha": pack_levels(image.alpha.ravel()[soft]),
         # Nothing outside the mask is a number: only what is inside is stored, row by row.
-        "color": image.color[image.mask],
-        "fringe": image.fringe[touched],
-        "normals": analysis.normals.compact,
-        "initial_normals": analysis.initial_normals.compact,
+        "color": pack_levels(image.color[image.mask]),
+        "fringe": pack_levels(image.fringe_colors),
+        "normals": pack_normals(analysis.normals.compact),
         **_material_fields(analysis),
         "light_confidence": np.array(np.nan if estimate is None else estimate.confidence),
         "report_iterations": np.array(report.iterations),
@@ -83,8 +92,15 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
         "report_reason": np.array(report.reason),
         "report_converged": np.array(report.converged),
     }
-    with atomic_write(path) as file:
-        np.savez_compressed(file, allow_pickle=False, **fields)
+    if not np.array_equal(initial, inflated):  # which follow from mask and alpha
+        fields["initial_normals"] = pack_normals(initial)
+    with (
+        atomic_write(path) as file,
+        zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=_COMPRESSION) as archive,
+    ):
+        for name, values in fields.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
+                np.lib.format.write_array(entry, np.asarray(values, order="C"), allow_pickle=False)
 
 
 def load_analysis(path: PathLike) -> ToonAnalysis:
@@ -99,7 +115,7 @@ def load_analysis(path: PathLike) -> ToonAnalysis:
     Returns
     -------
     ToonAnalysis
-        Equal to the one saved, bit for bit.
+        Equal to the one saved, but for its normals, which may be turned by up to 0.01 degrees.
 
     Raises
     ------
@@ -129,12 +145,12 @@ def _version(arrays: Arrays, path: PathLike) -> int:
     if "format_version" not in arrays.names:
         held = ", ".join(arrays.names[:MOST_NAMES]) or "nothing"
         raise refuse("path", "must be an archive of an analysis", f"{path}, which holds {held}")
-    rule = f"must be of version {FORMAT_VERSION} (written by this toonkit) or {ONE_MATERIAL_VERSION}"
+    rule = f"must be of version {FORMAT_VERSION} (written by this toonkit) or older"
     try:
         version = int(arrays.read("format_version", "i"))
     except ToonkitError as error:
         raise refuse("path", rule, f"{path} ({error})") from error
-    if version not in (ONE_MATERIAL_VERSION, FORMAT_VERSION):
+    if version not in (ONE_MATERIAL_VERSION, UNPACKED_VERSION, FORMAT_VERSION):
         raise refuse("path", rule, f"{path} of version {version}")
     return version
 
@@ -145,13 +161,13 @@ def _assemble(arrays: Arrays, version: int) -> ToonAnalysis:
     pixels = int(mask.sum())
     if pixels > MOST_PIXELS:
         raise refuse("mask", f"must have at most {MOST_PIXELS:,} object pixels", f"{pixels:,}")
-    alpha = arrays.read("alpha", "f", *mask.shape)
+    alpha = _soft_alpha(arrays, mask) if version == FORMAT_VERSION else arrays.read("alpha", "f", *mask.shape)
     touched = (alpha > 0) & ~mask
     image = ToonImage(
-        _spread(arrays.read("color", "f", pixels, 3), mask),
+        _spread(_levels(arrays, "color", pixels, 3), mask),
         mask,
         alpha=alpha,
-        fringe=_spread(arrays.read("fringe", "f", int(touched.sum()), 3), touched),
+        fringe=_spread(_levels(arrays, "fringe", int(touched.sum()), 3), touched),
     )
     materials = (
         Materials.single(mask, _only_color_map(arrays))
@@ -160,17 +176,48 @@ def _assemble(arrays: Arrays, version: int) -> ToonAnalysis:
     )
     light = arrays.read("light", "f", 3)
     confidence = float(arrays.read("light_confidence", "f")) if "light_confidence" in arrays.names else np.nan
+    method = str(arrays.read("method", "U", most=MOST_CHARACTERS))
+    normals, report = _normals(arrays, "normals", mask, version), _report(arrays)
+    initial = None
+    if version != FORMAT_VERSION or "initial_normals" in arrays.names:
+        initial = _normals(arrays, "initial_normals", mask, version)
+    drawing = _drawing(image, materials)
     return ToonAnalysis(
         image=image,
-        method=str(arrays.read("method", "U", most=MOST_CHARACTERS)),
+        method=method,
         light=light,
-        normals=NormalField(_spread(arrays.read("normals", "f", pixels, 3), mask), mask),
-        initial_normals=NormalField(_spread(arrays.read("initial_normals", "f", pixels, 3), mask), mask),
+        normals=normals,
+        initial_normals=drawing.initial_normals if initial is None else initial,
         materials=materials,
-        report=_report(arrays),
+        report=report,
         light_estimate=None if np.isnan(confidence) else LightEstimate(light, confidence),
-        drawing=_drawing(image, materials),
+        drawing=drawing,
     )
+
+
+def _soft_alpha(arrays: Arrays, mask: BoolArray) -> FloatArray:
+    """Read the coverage of the pixels that the object covers in part; the others are in it or not, as the mask says."""
+    places = arrays.read("soft_places", "i", None, most=mask.size)
+    if places.size and not (places[0] >= 0 and places[-1] < mask.size and (places[1:] > places[:-1]).all()):
+        raise refuse("soft_places", f"must ascend from 0 to {mask.size - 1:,} at most", "others")
+    alpha = mask.astype(np.float64)
+    alpha.ravel()[places] = _levels(arrays, "soft_alpha", len(places))
+    return alpha
+
+
+def _levels(arrays: Arrays, name: str, *shape: int) -> FloatArray:
+    """Read numbers from 0 to 1 that may be packed."""
+    return unpack_levels(arrays.read(name, "uf", *shape))
+
+
+def _normals(arrays: Arrays, name: str, mask: BoolArray, version: int) -> NormalField:
+    pixels = int(mask.sum())
+    if version != FORMAT_VERSION:
+        return NormalField(_spread(arrays.read(name, "f", pixels, 3), mask), mask)
+    packed = arrays.read(name, "u", pixels, 2)
+    if packed.dtype != np.uint16:
+        raise refuse(name, "must have 16 bits a number", f"{packed.dtype}")
+    return NormalField(_spread(unpack_normals(packed), mask), mask)
 
 
 def _report(arrays: Arrays) -> SolverReport:
@@ -203,7 +250,7 @@ def _drawing(image: ToonImage, materials: Materials) -> PreparedDrawing:
 def _material_fields(analysis: ToonAnalysis) -> dict[str, NDArray[Any]]:
     materials = analysis.materials
     return {
-        "material_labels": materials.labels[analysis.image.mask].astype(np.int32),
+        "material_labels": materials.labels[analysis.image.mask].astype(np.min_scalar_type(-materials.count)),
         "material_flat": materials.flat,
         "material_tones": np.concatenate(materials.tones),
         "material_tone_counts": np.array([len(tones) for tones in materials.tones]),

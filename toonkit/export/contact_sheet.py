@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,11 +12,12 @@ from PIL import Image, ImageDraw, ImageFont
 
 from toonkit._validation import FloatArray, as_light, of_type, refuse
 from toonkit.analysis import ToonAnalysis
+from toonkit.export.thumbnail import Thumbnail
 from toonkit.model.color_map import ColorMap
+from toonkit.model.image import eight_bit
 from toonkit.model.label_colors import label_picture
 from toonkit.model.light import light_angles, light_direction
-from toonkit.model.normals import encode_normal_map
-from toonkit.relighting import relight
+from toonkit.relighting import relight_pixels
 
 STANDARD_LIGHTS: tuple[tuple[float, float], ...] = (
     (180, 15),
@@ -96,27 +98,31 @@ def contact_sheet(
         raise refuse("lights", "must hold at least one light", "none")
     checked = [as_light("lights", light) for light in directions]
     several = analysis.materials.count > 1
+    small = Thumbnail.of(analysis, _TILE - 2 * _PADDING)
+    base = small.picture(analysis.base_colors()[small.pixels], keep_detail=False)
     tiles = [
-        _input_tile(analysis),
-        _materials_tile(analysis) if several else _color_map_tile(analysis),
-        _Tile(_cropped(analysis, analysis.base_color.to_rgba()), "base color", "without shading", None),
-        _normal_tile(analysis),
+        _input_tile(analysis, small),
+        _materials_tile(analysis, small) if several else _color_map_tile(analysis),
+        _Tile(base, "base color", "without shading", None),
+        _normal_tile(analysis, small),
     ]
-    for light in checked:
-        relit = relight(analysis, light, keep_detail=keep_detail)
-        tiles.append(_Tile(_cropped(analysis, relit.to_rgba()), "relit", _angles(light), light))
+    relit_colors = relight_pixels(analysis, checked, small.pixels, keep_detail=keep_detail)
+    for light, relit in zip(checked, relit_colors, strict=True):
+        picture = small.picture(relit, keep_detail=keep_detail)
+        tiles.append(_Tile(picture, "relit", _angles(light), light))
     return _sheet(tiles, MATTE if several else analysis.color_map)
 
 
-def _input_tile(analysis: ToonAnalysis) -> _Tile:
-    picture = _cropped(analysis, analysis.image.to_rgba())
+def _input_tile(analysis: ToonAnalysis, small: Thumbnail) -> _Tile:
+    picture = small.picture(analysis.image.color[analysis.drawing.places(small.pixels)])
     return _Tile(picture, "input", _angles(analysis.light), np.asarray(analysis.light))
 
 
-def _materials_tile(analysis: ToonAnalysis) -> _Tile:
+def _materials_tile(analysis: ToonAnalysis, small: Thumbnail) -> _Tile:
     count, flat = analysis.materials.count, int(analysis.materials.flat.sum())
-    colors = label_picture(analysis.materials.labels)[..., :3]
-    return _Tile(_within_mask(analysis, colors), "materials", f"{count}, {flat or 'none'} flat", None)
+    labels = analysis.materials.labels[analysis.drawing.places(small.object_pixels)]
+    colors = label_picture(labels[None])[0, :, :3]
+    return _Tile(small.of_object(colors), "materials", f"{count}, {flat or 'none'} flat", None)
 
 
 def _color_map_tile(analysis: ToonAnalysis) -> _Tile:
@@ -124,17 +130,9 @@ def _color_map_tile(analysis: ToonAnalysis) -> _Tile:
     return _Tile(ball, "color map", "on a ball", None)
 
 
-def _normal_tile(analysis: ToonAnalysis) -> _Tile:
-    colors = encode_normal_map(analysis.normals).astype(np.uint8)
-    return _Tile(_within_mask(analysis, colors), "normals", f"method {analysis.method}", None)
-
-
-def _within_mask(analysis: ToonAnalysis, colors: NDArray[np.uint8]) -> Image.Image:
-    """Fit colors (H, W, 3) of the object's pixels into a tile; the fringe has none."""
-    alpha = np.where(analysis.image.mask, analysis.image.alpha, 0.0)
-    return _cropped(
-        analysis, np.concatenate([colors, np.round(alpha[..., None] * 255).astype(np.uint8)], axis=-1)
-    )
+def _normal_tile(analysis: ToonAnalysis, small: Thumbnail) -> _Tile:
+    colors = eight_bit((analysis.normals.compact[small.object_pixels] + 1) / 2)
+    return _Tile(small.of_object(colors), "normals", f"method {analysis.method}", None)
 
 
 def _angles(light: FloatArray) -> str:
@@ -144,29 +142,16 @@ def _angles(light: FloatArray) -> str:
     return f"azimuth {round(azimuth) % 360}°, elevation {round(elevation)}°"
 
 
-def _cropped(analysis: ToonAnalysis, rgba: NDArray[np.uint8]) -> Image.Image:
-    """Cut a picture down to the object's bounding box and fit it into a tile."""
-    rows, columns = np.nonzero(analysis.image.alpha > 0)
-    box = rgba[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]
-    room = _TILE - 2 * _PADDING
-    scale = room / max(box.shape[:2])
-    if scale >= 2:  # pixel art keeps its pixels
-        whole = int(scale)
-        return Image.fromarray(box.repeat(whole, axis=0).repeat(whole, axis=1))
-    size = (max(1, round(box.shape[1] * scale)), max(1, round(box.shape[0] * scale)))
-    return Image.fromarray(np.ascontiguousarray(box)).resize(size, Image.Resampling.LANCZOS)
-
-
 def _sheet(tiles: list[_Tile], color_map: ColorMap) -> NDArray[np.uint8]:
     rows = -(-len(tiles) // _COLUMNS)
     width = 2 * _MARGIN + _COLUMNS * _TILE + (_COLUMNS - 1) * _GAP
     height = 2 * _MARGIN - _GAP + rows * (_TILE + _CAPTION + _GAP) - _CAPTION // 4  # captions end above that
     sheet = Image.new("RGB", (width, height), _SHEET)
-    card, outline = _card(), _rounded(outline=True)
+    card, corners, outline = _card(), _rounded(outline=False), _rounded(outline=True)
     for index, tile in enumerate(tiles):
         row, column = divmod(index, _COLUMNS)
         left, top = _MARGIN + column * (_TILE + _GAP), _MARGIN + row * (_TILE + _CAPTION + _GAP)
-        sheet.paste(card, (left, top), _rounded(outline=False))
+        sheet.paste(card, (left, top), corners)
         x, y = left + (_TILE - tile.picture.width) // 2, top + (_TILE - tile.picture.height) // 2
         sheet.paste(tile.picture, (x, y), tile.picture)
         if tile.light is not None:
@@ -179,10 +164,15 @@ def _sheet(tiles: list[_Tile], color_map: ColorMap) -> NDArray[np.uint8]:
 
 def _caption(sheet: Image.Image, tile: _Tile, left: int, top: int) -> None:
     draw = ImageDraw.Draw(sheet)
-    strong, small = ImageFont.load_default(size=15), ImageFont.load_default(size=13)
+    strong, small = _font(15), _font(13)
     draw.text((left + 3, top), tile.title, fill=_INK, font=strong)
     across = draw.textlength(tile.detail, font=small)
     draw.text((left + _TILE - 3 - across, top + 1), tile.detail, fill=_FAINT_INK, font=small)
+
+
+@cache
+def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    return ImageFont.load_default(size=size)
 
 
 def _card() -> Image.Image:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from toonkit.export.normal_map import write_normal_map
 from toonkit.export.picture import write_picture
 from toonkit.export.report import analysis_report, write_report
 from toonkit.model.label_colors import label_picture
+from toonkit.numerics.bands import run_each
 
 ARCHIVE_NAME = "analysis.npz"
 """Name of the file that `load_analysis` reads back."""
@@ -26,8 +28,12 @@ ARCHIVE_NAME = "analysis.npz"
 REPORT_NAME = "report.json"
 """Name of the report, which lists the files of its folder."""
 
+INPUTS = "inputs"
+"""Key of the report under which stands what the files were made of, once all of them are there."""
+
 _ENGINE_MAP_NAME = f"base_color{SUFFIX}.png"
 
+_LONGEST = ("relit_contact_sheet.png", ARCHIVE_NAME, "base_color.png")  # to write: these are begun first
 _ONLY_SOME_HAVE = (
     "line_art.png", "color_map.png", "color_map.json", "color_maps.png", "color_maps.json", _ENGINE_MAP_NAME
 )  # fmt: skip
@@ -104,7 +110,6 @@ def write_analysis_folder(
     if engine is not None and engine not in ENGINES:
         raise refuse("engine", f"must be one of {', '.join(ENGINES)}", repr(engine))
     target = make_folder(folder)
-    earlier = _files_of_report(target / REPORT_NAME)
     writers = _writers(analysis)
     if engine is not None:
         writers[_ENGINE_MAP_NAME] = (
@@ -113,14 +118,61 @@ def write_analysis_folder(
         )
     report = {**analysis_report(analysis), **(notes or {}), "files": [*writers, REPORT_NAME]}
     writers[REPORT_NAME] = ("how it went", lambda path: write_report(report, path))
-    written = {}
-    for name, (what, write) in writers.items():
-        write(target / name)
-        written[target / name] = what
+    fill_folder(target, {name: write for name, (_, write) in writers.items()})
+    return {target / name: what for name, (what, _) in writers.items()}
+
+
+def fill_folder(folder: Path, writers: Mapping[str, Callable[[Path], None]]) -> None:
+    """
+    Replace the files of an analysis in a folder, several at a time, and the report last.
+
+    Parameters
+    ----------
+    folder : Path
+        One that exists.
+    writers : mapping
+        For the name of each file what writes it to a path.
+
+    Raises
+    ------
+    ToonkitError
+        If the folder cannot be written to.
+    """
+    earlier = _read_report(folder / REPORT_NAME)
+    if INPUTS in earlier:  # it vouches for files that are about to go
+        write_report({key: value for key, value in earlier.items() if key != INPUTS}, folder / REPORT_NAME)
+    names = sorted(writers.keys() - {REPORT_NAME}, key=lambda name: (name not in _LONGEST, name))
+    run_each([partial(writers[name], folder / name) for name in names])
     for name in _ONLY_SOME_HAVE:
-        if name in earlier and name not in writers:
-            _remove(target / name)
-    return written
+        if name in _files_of(earlier) and name not in writers:
+            _remove(folder / name)
+    writers[REPORT_NAME](folder / REPORT_NAME)
+
+
+def holds_analysis(folder: Path, inputs: Mapping[str, Any]) -> bool:
+    """
+    Tell whether a folder holds all files of an analysis of some inputs by this version of toonkit.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder.
+    inputs : mapping
+        What `write_analysis_folder` was given as `notes["inputs"]`.
+
+    Returns
+    -------
+    bool
+        False also while the files are being replaced.
+    """
+    import toonkit  # noqa: PLC0415  # at call time, because the package's own __init__ stands above this module
+
+    report = _read_report(folder / REPORT_NAME)
+    return (
+        report.get(INPUTS) == inputs
+        and report["versions"].get("toonkit") == toonkit.__version__
+        and all((folder / name).is_file() for name in _files_of(report))
+    )
 
 
 def _writers(analysis: ToonAnalysis) -> dict[str, tuple[str, Callable[[Path], None]]]:
@@ -169,16 +221,22 @@ def _writers(analysis: ToonAnalysis) -> dict[str, tuple[str, Callable[[Path], No
     return writers
 
 
-def _files_of_report(path: Path) -> list[str]:
-    """Return the names that the report of an earlier analysis lists; toonkit 0.1 wrote one color map, and no list."""
+def _read_report(path: Path) -> dict[str, Any]:
+    """Return the report of an earlier analysis, empty if there is none."""
     try:
         report = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return []
-    if not isinstance(report, dict) or "versions" not in report:
+    except (OSError, RecursionError, ValueError):
+        return {}
+    known = isinstance(report, dict) and isinstance(report.get("versions"), dict)
+    return report if known else {}
+
+
+def _files_of(report: Mapping[str, Any]) -> list[str]:
+    """Return the names that a report lists; toonkit 0.1 wrote one color map, and no list."""
+    if not report:
         return []
     files = report.get("files", ["color_map.png", "color_map.json"])
-    return files if isinstance(files, list) else []
+    return [name for name in files if isinstance(name, str)] if isinstance(files, list) else []
 
 
 def _remove(path: Path) -> None:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from toonkit._validation import of_type
 from toonkit.estimation.preparation import PreparedDrawing
+from toonkit.model.image import eight_bit
 
 
 def line_art(drawing: PreparedDrawing) -> NDArray[np.uint8]:
@@ -29,12 +30,19 @@ def line_art(drawing: PreparedDrawing) -> NDArray[np.uint8]:
         If the drawing is not prepared.
     """
     of_type("drawing", drawing, PreparedDrawing)
-    image, color, coverage = drawing.image, drawing.ink_color, drawing.ink_coverage
+    image, frame, ink = drawing.image, drawing.frame, drawing.ink
+    rgba = np.zeros((*image.shape, 4), np.uint8)
+    top, left = (side.start for side in drawing.box)
+    coverage, color = frame.inner(ink.coverage), frame.inner(ink.color)
+    inked = np.nonzero(coverage > 0)
+    places = inked[0] + top, inked[1] + left
     # Line art continues to where the object's soft outline ends.
-    for values in (color, coverage):
-        values[image.fringe_places] = values[image.fringe_sources]
-    rgba = np.zeros((*image.shape, 4))
-    inked = coverage > 0
-    rgba[inked, :3] = color[inked]
-    rgba[..., 3] = coverage * image.alpha
-    return np.round(rgba * 255).astype(np.uint8)
+    sources = image.fringe_sources[0] - top, image.fringe_sources[1] - left
+    continued = coverage[sources] > 0
+    for source, place in (
+        (inked, places),
+        (tuple(at[continued] for at in sources), tuple(at[continued] for at in image.fringe_places)),
+    ):
+        rgba[(*place, slice(0, 3))] = eight_bit(color[source])
+        rgba[(*place, 3)] = eight_bit(coverage[source] * image.alpha[place])
+    return rgba

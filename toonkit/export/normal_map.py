@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-import imagecodecs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import distance_transform_edt
 
 from toonkit._validation import FloatArray, as_coverage, is_number, refuse
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
+from toonkit.export.picture import encode_png
 from toonkit.model.normals import GreenAxis, NormalField, encode_normal_map
 
 
@@ -61,7 +61,7 @@ def write_normal_map(
     if coverage is not None:
         opacity = np.round(coverage * (2**bits - 1)).astype(colors.dtype)
         colors = np.concatenate([colors, opacity[..., None]], axis=-1)
-    encoded = imagecodecs.png_encode(np.ascontiguousarray(colors))
+    encoded = encode_png(np.ascontiguousarray(colors))
     with atomic_write(path) as file:
         file.write(encoded)
 

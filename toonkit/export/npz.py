@@ -23,7 +23,14 @@ _HEADER = re.compile(
     rb"\{'descr': '([<>|=][biufUO]\d{0,9})', 'fortran_order': (True|False), "
     rb"'shape': \(((?:\d{1,12}, ?)*\d{0,12},?)\), \} *\n"
 )
-_KINDS = {"b": "bool", "i": "integers", "f": "floats", "U": "text"}
+_KINDS = {
+    "b": "bool",
+    "i": "integers",
+    "u": "integers without sign",
+    "f": "floats",
+    "uf": "floats, or integers without sign",
+    "U": "text",
+}
 _ENCRYPTED = 0x1
 
 
@@ -60,7 +67,7 @@ class Arrays:
         name : str
             Its name.
         kind : str
-            "b", "i", "f" or "U", as in `numpy.dtype.kind`.
+            "b", "i", "u", "f" or "U", as in `numpy.dtype.kind`, where "i" takes those of "u", too; or "uf" for either.
         *shape : int or None
             Its shape; a length that is None may be any.
         most : int, optional

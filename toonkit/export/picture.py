@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 
+import imagecodecs
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
@@ -11,6 +12,10 @@ from PIL import Image
 from toonkit._validation import any_array, refuse
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.model.image import ToonImage
+
+# In flat paint and smooth normals a row is like the one above. This takes a third of the time of zlib's usual level with a
+# filter chosen row by row, for files a twentieth larger if the picture is large, and a third if it is small.
+_PNG_LEVEL, _PNG_FILTER = 1, imagecodecs.PNG.FILTER.UP
 
 _WEBP_LONGEST_SIDE = 16383
 
@@ -46,10 +51,14 @@ def write_picture(picture: ToonImage | NDArray[np.uint8], path: PathLike) -> Non
 
 def encode_picture(pixels: NDArray[np.uint8], suffix: str) -> bytes:
     """Return the bytes of a lossless .png or .webp file; both keep the colors under transparent pixels."""
+    pixels = np.ascontiguousarray(pixels)
+    if suffix == ".png":
+        return encode_png(pixels)
     encoded = io.BytesIO()
-    image = Image.fromarray(np.ascontiguousarray(pixels))
-    if suffix == ".webp":
-        image.save(encoded, "WEBP", lossless=True, exact=True, quality=75)
-    else:
-        image.save(encoded, "PNG")
+    Image.fromarray(pixels).save(encoded, "WEBP", lossless=True, exact=True, quality=75)
     return encoded.getvalue()
+
+
+def encode_png(pixels: NDArray[np.unsignedinteger]) -> bytes:
+    """Return the bytes of a .png file of 8 or 16 bits a channel; other threads go on meanwhile."""
+    return bytes(imagecodecs.png_encode(pixels, level=_PNG_LEVEL, filter=_PNG_FILTER))

@@ -30,7 +30,7 @@ class MixedPixels:
     Attributes
     ----------
     pixels : ndarray of int, shape (n,)
-        Compact index of each.
+        Compact index of each, ascending.
     sources : ndarray of int, shape (n, 2)
         Those of the two pixels of pure paint that it shows: the first on its own side.
     shares : ndarray, shape (n, 2)
@@ -46,6 +46,17 @@ class MixedPixels:
     shares: FloatArray
     drawn: FloatArray
     highlit: BoolArray
+
+    def among(self, pixels: Indices) -> tuple[Indices, MixedPixels]:
+        """Return which of some of the object's pixels (n,) are mixed, as places in that list, and these alone."""
+        if len(self.pixels) == 0:
+            return np.zeros(0, np.intp), self
+        row = np.minimum(np.searchsorted(self.pixels, pixels), len(self.pixels) - 1)
+        found = np.flatnonzero(self.pixels[row] == pixels)
+        row = row[found]
+        return found, MixedPixels(
+            self.pixels[row], self.sources[row], self.shares[row], self.drawn[row], self.highlit[row]
+        )
 
     def over(self, before: FloatArray, after: FloatArray, left: FloatArray | float = 1.0) -> FloatArray:
         """

@@ -42,6 +42,8 @@ class ToonImage:
         float64 in [0, 1].
     fringe : ndarray, shape (H, W, 3)
         float64, NaN except where alpha > 0 outside the mask.
+    fringe_colors : ndarray, shape (n, 3)
+        The same of these pixels alone, in row-major order.
 
     Raises
     ------
@@ -53,6 +55,7 @@ class ToonImage:
     mask: BoolArray
     alpha: FloatArray = field(kw_only=True, default=None)  # type: ignore[arg-type]  # None until __post_init__
     fringe: FloatArray = field(kw_only=True, default_factory=lambda: None)  # type: ignore[arg-type,return-value]
+    fringe_colors: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         color = as_array("color", self.color, (None, None, 3))
@@ -65,20 +68,21 @@ class ToonImage:
             if self.alpha is None
             else as_coverage("alpha", self.alpha, (shape[0], shape[1]))
         )
-        touched = (alpha > 0) & ~mask
-        fringe = np.full_like(color, np.nan)
-        if touched.any():
-            if self.fringe is None:
-                rows, columns = nearest_object_pixel(mask)
-                fringe[touched] = color[rows[touched], columns[touched]]
-            else:
-                given = as_array("fringe", self.fringe, (None, None, 3))
-                same_shape("fringe", given.shape, color.shape, "color")
-                fringe[touched] = _check_colors("fringe", given[touched])
-        color = np.full_like(color, np.nan)
-        color[mask] = inside
-        for name, value in (("color", color), ("mask", mask), ("alpha", alpha), ("fringe", fringe)):
+        given = self.__dict__.pop("fringe")  # `__getattr__` makes one, of the colors, where it is asked for
+        for name, value in (("color", color), ("mask", mask), ("alpha", alpha)):
             object.__setattr__(self, name, value)
+        if len(self.fringe_places[0]) == 0:
+            fringe = np.zeros((0, 3))
+        elif given is None:
+            fringe = color[self.fringe_sources]
+        else:
+            if not isinstance(given, np.ndarray):
+                given = as_array("fringe", given, (None, None, 3))
+            same_shape("fringe", given.shape, color.shape, "color")
+            fringe = _check_colors("fringe", as_array("fringe", given[self.fringe_places], (None, 3)))
+        color[:] = np.nan
+        color[mask] = inside
+        self.__dict__["fringe_colors"] = fringe
 
     @classmethod
     def like(cls, image: ToonImage, color: FloatArray, fringe_colors: FloatArray) -> ToonImage:
@@ -89,7 +93,7 @@ class ToonImage:
         return picture
 
     def __getattr__(self, name: str) -> FloatArray:
-        # Only a picture made `like` another one comes here: its fringe takes a tenth of a second at 4096 x 4096.
+        # Few ask for the fringe as an image, which is as large as the colors.
         if name != "fringe" or "fringe_colors" not in self.__dict__:
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         fringe = np.full_like(self.color, np.nan)
@@ -116,12 +120,6 @@ class ToonImage:
         return rows, columns
 
     @cached_property
-    def fringe_colors(self) -> FloatArray:
-        """Their colors, shape (n, 3)."""
-        colors: FloatArray = self.fringe[self.fringe_places]
-        return colors
-
-    @cached_property
     def fringe_sources(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Row and column of the object pixel nearest to each pixel of the fringe, in its order."""
         places = self.fringe_places
@@ -132,11 +130,11 @@ class ToonImage:
 
     def to_rgba(self) -> NDArray[np.uint8]:
         """Return the picture as 8-bit straight-alpha RGBA, shape (H, W, 4); transparent black where alpha is 0."""
-        rgba = np.zeros((*self.shape, 4))
-        rgba[self.mask, :3] = self.color[self.mask]
-        rgba[(*self.fringe_places, slice(0, 3))] = self.fringe_colors
-        rgba[..., 3] = self.alpha
-        return np.round(rgba * 255).astype(np.uint8)
+        rgba = np.zeros((*self.shape, 4), np.uint8)
+        rgba[self.mask, :3] = eight_bit(self.color[self.mask])
+        rgba[(*self.fringe_places, slice(0, 3))] = eight_bit(self.fringe_colors)
+        rgba[..., 3] = eight_bit(self.alpha)
+        return rgba
 
     def save(self, path: str | PathLike[str]) -> None:
         """
@@ -155,6 +153,12 @@ class ToonImage:
         from toonkit.export.picture import write_picture  # noqa: PLC0415 - export stands above the model
 
         write_picture(self, path)
+
+
+def eight_bit(values: FloatArray) -> NDArray[np.uint8]:
+    """Round values in [0, 1] to the steps of an 8-bit picture."""
+    steps = values * 255
+    return np.rint(steps, out=steps).astype(np.uint8)
 
 
 def nearest_object_pixel(mask: BoolArray) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

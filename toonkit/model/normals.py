@@ -164,11 +164,14 @@ def encode_normal_map(
     """
     of_type("normals", normals, NormalField)
     _check_encoding(bits, green)
-    vectors = np.where(normals.mask[..., None], normals.vectors, np.array([0.0, 0.0, 1.0]))
-    if green == "directx":
-        vectors = vectors * np.array([1.0, -1.0, 1.0])
-    top = 2**bits - 1
-    encoded: NDArray[np.unsignedinteger] = np.round((vectors + 1) * (top / 2)).astype(f"uint{bits}")
+    steps = (2**bits - 1) / 2
+    encoded: NDArray[np.unsignedinteger] = np.empty((*normals.shape, 3), f"uint{bits}")
+    for axis, flat in enumerate((0.0, 0.0, 1.0)):
+        component = normals.compact[:, axis]
+        if axis == 1 and green == "directx":
+            component = -component
+        encoded[..., axis] = np.rint((flat + 1) * steps)
+        encoded[normals.mask, axis] = np.rint((component + 1) * steps)
     return encoded
 
 

@@ -62,7 +62,7 @@ def measured_there(
     if scheduler is not None:
         # Workers that join later are checked as well: each batch says which toonkit may measure it.
         cells = [replace(cell, toonkit=installed_toonkit()) for cell in cells]
-    with _cluster(workers, scheduler, len(cells)) as client:
+    with cluster_client(workers, scheduler, len(cells)) as client:
         suspects: list[Cell] = []
         yield from _all_at_once(cells, client, suspects)
         for cell in suspects:
@@ -71,7 +71,7 @@ def measured_there(
 
 
 @contextmanager
-def _cluster(workers: int | None, scheduler: str | None, cells: int) -> Iterator[Any]:
+def cluster_client(workers: int | None, scheduler: str | None, tasks: int) -> Iterator[Any]:
     """Connect to a scheduler, or start a cluster of processes of one thread each on this machine."""
     import dask  # noqa: PLC0415  # takes a second, with distributed
     from distributed import Client, LocalCluster  # noqa: PLC0415
@@ -79,7 +79,7 @@ def _cluster(workers: int | None, scheduler: str | None, cells: int) -> Iterator
     if scheduler is None:
         with dask.config.set(_LOCAL), _ignoring_interrupts():
             cluster = LocalCluster(
-                n_workers=min(worker_count(workers), cells),
+                n_workers=min(worker_count(workers), tasks),
                 threads_per_worker=1,  # a trial keeps a core busy; what its solvers spread falls to idle ones
                 memory_limit=None,  # dask would count what a worker keeps for its next array, and stop it
                 dashboard_address=":0",  # any port: another cluster may hold the usual one
@@ -143,7 +143,7 @@ def _all_at_once(cells: Sequence[Cell], client: Any, suspects: list[Cell]) -> It
         future = client.submit(measure, truths[subject], _without_subject(cell), pure=False, priority=-order)
         waiting[future] = cell
     truths.clear()  # a rendered shape is forgotten as soon as its last cell is done
-    for future in _as_they_come(waiting, client):
+    for future in as_they_come(waiting, client):
         cell = waiting.pop(future)
         if future.status == "finished":
             yield from zip(cell.trials, future.result(), strict=True)
@@ -154,7 +154,7 @@ def _all_at_once(cells: Sequence[Cell], client: Any, suspects: list[Cell]) -> It
     suspects.extend(waiting.values())
 
 
-def _as_they_come(waiting: dict[Any, Cell], client: Any) -> Iterator[Any]:
+def as_they_come(waiting: dict[Any, Any], client: Any) -> Iterator[Any]:
     """Yield futures as they are done; stop if there has been no worker to do them for `NO_WORKER_SECONDS`."""
     looked = deserted = time.monotonic()
     while waiting:

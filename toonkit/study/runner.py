@@ -16,12 +16,13 @@ import pandas as pd
 from toonkit._validation import ToonkitError, refuse
 from toonkit.export.atomic import PathLike
 from toonkit.export.folder import make_folder
+from toonkit.export.sole_use import sole_use
 from toonkit.study.cells import Cell, Outcome, measured_here
 from toonkit.study.cluster import measured_there, worker_count
 from toonkit.study.plan import StudyPlan
 from toonkit.study.provenance import provenance, surroundings
 from toonkit.study.record_store import RecordStore
-from toonkit.study.study_folder import opened_sidecar, sole_use, write_sidecar
+from toonkit.study.study_folder import opened_sidecar, write_sidecar
 from toonkit.study.table import as_table, write_table
 from toonkit.study.trials import Record
 

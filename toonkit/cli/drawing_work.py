@@ -1,0 +1,165 @@
+"""From a drawing's file to the folder of its analysis: what `toonkit analyze` does once and `toonkit batch` many times."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from toonkit._validation import expand_home, is_number, refuse
+from toonkit.cli.lights import parse_angles, parse_light
+
+if TYPE_CHECKING:
+    from toonkit.analysis import ToonAnalysis
+
+ESTIMATED = "auto"
+"""What is typed in place of a light that is to be estimated."""
+
+METHOD_NAMES = ("toonkit", "classical", "todo", "lumo", "lambert")
+"""The keys of `toonkit.METHODS`, repeated so that the help does not have to import them."""
+
+ENGINE_NAMES = ("godot", "unity", "unreal", "blender", "cocos", "defold")
+"""The keys of `toonkit.export.engines.ENGINES`, repeated for the same reason."""
+
+BLEED = 16.0
+"""`toonkit.export.engines.BLEED`, repeated for the same reason."""
+
+
+@dataclass(frozen=True)
+class DrawingWork:
+    """
+    A drawing to be analyzed, and how.
+
+    Attributes
+    ----------
+    drawing : str
+        What the report calls it.
+    file : Path
+        The picture file.
+    light : str
+        AZIMUTH,ELEVATION, or `ESTIMATED`.
+    method : str
+        Name in `toonkit.METHODS`.
+    engine : str or None
+        Name in `toonkit.export.engines.ENGINES`: for what program to write a normal map, too.
+    bleed : float
+        Pixels by which that normal map goes on outside the object.
+    mask, materials : Path or None
+        Picture files that say where the object and its materials are.
+
+    Raises
+    ------
+    ToonkitError
+        If the light or the bleed is none.
+    """
+
+    drawing: str
+    file: Path
+    light: str = ESTIMATED
+    method: str = "toonkit"
+    engine: str | None = None
+    bleed: float = BLEED
+    mask: Path | None = None
+    materials: Path | None = None
+
+    def __post_init__(self) -> None:
+        if self.light != ESTIMATED:
+            parse_light(self.light)
+        if not is_number(self.bleed) or self.bleed < 0:
+            raise refuse("--bleed", "must be a number of pixels >= 0", self.bleed)
+
+    def inputs(self) -> dict[str, Any]:
+        """Return, as JSON, what the analysis depends on besides toonkit: digests of the files, and the options."""
+        files = {"drawing": self.file, "mask": self.mask, "materials": self.materials}
+        return {
+            **{name: None if path is None else _digest(path) for name, path in files.items()},
+            "light": None if self.light == ESTIMATED else list(parse_angles(self.light)),
+            "method": self.method,
+            "engine": self.engine,
+            "bleed": None if self.engine is None else self.bleed,
+        }
+
+
+def add_work_options(command: argparse.ArgumentParser) -> None:
+    """Add to a command the options of a `DrawingWork` that are told in the same words everywhere."""
+    command.add_argument(
+        "--method", choices=METHOD_NAMES, default="toonkit", help="estimator (default: toonkit)"
+    )
+    command.add_argument(
+        "--engine",
+        choices=ENGINE_NAMES,
+        help="write a normal map for this engine, too, beside base_color.png: with alpha, and its green axis and suffix",
+    )
+    command.add_argument(
+        "--bleed",
+        type=float,
+        default=BLEED,
+        metavar="PIXELS",
+        help=f"how far the engine's normal map goes on outside the drawing, for filtering and mipmaps (default: {BLEED:g})",
+    )
+
+
+def analyze_drawing(
+    work: DrawingWork,
+    folder: str | Path,
+    *,
+    progress: Callable[[str, float], None] | None = None,
+    seconds: Callable[[], dict[str, float]] | None = None,
+) -> tuple[ToonAnalysis, dict[Path, str]]:
+    """
+    Analyze a drawing into a folder.
+
+    Parameters
+    ----------
+    work : DrawingWork
+        What to do.
+    folder : str or Path
+        Where to write; created if need be, once the drawing is read.
+    progress : callable, optional
+        Called with the step that runs and the fraction done.
+    seconds : callable, optional
+        Returns the seconds of each step so far, for the report.
+
+    Returns
+    -------
+    ToonAnalysis, dict
+        The analysis, and the files written, each with what it is.
+
+    Raises
+    ------
+    ToonkitError
+        If the drawing is refused, or the folder cannot be written to.
+    """
+    import toonkit  # noqa: PLC0415
+    from toonkit._validation import as_labels  # noqa: PLC0415
+    from toonkit.export.folder import INPUTS, make_folder, write_analysis_folder  # noqa: PLC0415
+    from toonkit.export.label_picture import read_labels  # noqa: PLC0415
+    from toonkit.metrics import color_rmse  # noqa: PLC0415
+    from toonkit.numerics.bands import single_threaded_blas  # noqa: PLC0415
+
+    step = progress or (lambda _step, _fraction: None)
+    given = None if work.light == ESTIMATED else parse_light(work.light)
+    step("reading the drawing", 0.0)
+    image = toonkit.load_image(work.file, mask=work.mask)
+    materials = None
+    if work.materials is not None:
+        materials = as_labels("materials", read_labels(work.materials), image.mask)
+    inputs = work.inputs()
+    make_folder(folder)  # before the long work, so that a bad name costs no time
+    analysis = toonkit.analyze(image, given, method=work.method, materials=materials, progress=step)
+    step("writing", 1.0)
+    with single_threaded_blas():
+        rmse = float(color_rmse(analysis.picture, image))
+    notes: dict[str, Any] = {"drawing": work.drawing, INPUTS: inputs, "input_fit_rmse": rmse}
+    if seconds is not None:
+        notes["seconds"] = seconds()
+    written = write_analysis_folder(analysis, folder, notes=notes, engine=work.engine, bleed=work.bleed)
+    return analysis, written
+
+
+def _digest(path: Path) -> str:
+    with expand_home(path).open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

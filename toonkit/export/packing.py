@@ -1,0 +1,55 @@
+"""Pixels in few bytes, as archives hold them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toonkit._validation import FloatArray
+
+_NORMAL_STEPS = 32767
+
+
+def pack_levels(values: FloatArray) -> NDArray[Any]:
+    """Return values in [0, 1] as the 8- or 16-bit integers that they are the levels of, or else unchanged."""
+    for dtype in (np.uint8, np.uint16):
+        top = np.iinfo(dtype).max
+        levels = np.rint(values * top)
+        if np.array_equal(levels / top, values):
+            return levels.astype(dtype)
+    return values
+
+
+def unpack_levels(packed: NDArray[Any]) -> FloatArray:
+    """Return what `pack_levels` was given, to the last bit; integers of other sizes are levels, too."""
+    if packed.dtype.kind == "u":
+        levels: FloatArray = packed / np.float64(np.iinfo(packed.dtype).max)
+        return levels
+    return packed
+
+
+def pack_normals(normals: FloatArray) -> NDArray[np.uint16]:
+    """
+    Return unit vectors (P, 3), z >= 0, as two 16-bit integers each, (P, 2), which turns them by less than 0.005 degrees.
+
+    The hemisphere is projected onto an octahedron, whose upper half is a square in the plane: unlike x and y alone, that is
+    as exact at the rim, where z is small.
+    """
+    x, y, z = normals.T
+    size = np.abs(x) + np.abs(y) + z
+    packed = np.empty((len(normals), 2), np.uint16)
+    packed[:, 0] = np.rint(((x + y) / size + 1) * _NORMAL_STEPS)
+    packed[:, 1] = np.rint(((x - y) / size + 1) * _NORMAL_STEPS)
+    return packed
+
+
+def unpack_normals(packed: NDArray[np.uint16]) -> FloatArray:
+    """Return the unit vectors (P, 3) of `pack_normals`; any numbers (P, 2) give such vectors."""
+    along, across = (packed / _NORMAL_STEPS - 1.0).T
+    normals = np.empty((len(packed), 3))
+    normals[:, 0], normals[:, 1] = (along + across) / 2, (along - across) / 2
+    normals[:, 2] = np.maximum(1.0 - np.abs(normals[:, 0]) - np.abs(normals[:, 1]), 0.0)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return normals
