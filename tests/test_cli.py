@@ -105,6 +105,17 @@ def test_an_estimate_that_explains_little_is_called_a_guess(drawing, tmp_path, m
     assert "this light is a guess" not in capsys.readouterr().out
 
 
+def test_where_a_drawing_does_not_say_its_light_the_assumed_one_is_named(tmp_path, capsys):
+    y, x = np.mgrid[:48, :48] - 23.5
+    rgba = np.zeros((48, 48, 4), np.uint8)
+    rgba[x**2 + y**2 < 400] = (200, 120, 90, 255)
+    Image.fromarray(rgba).save(tmp_path / "disc.png")
+    assert main(["analyze", str(tmp_path / "disc.png"), "-o", str(tmp_path / "out")]) == 0
+    shown = capsys.readouterr().out
+    assert "light: azimuth 130°, elevation 50° (assumed, confidence 0.00)" in shown
+    assert "does not say where its light is" in shown
+
+
 def test_line_art_is_mentioned_where_there_is_some(drawing, tmp_path, capsys):
     image = load_image(drawing)
     row, column = np.indices((SIZE, SIZE))
