@@ -26,6 +26,7 @@ from toonkit.study.trials import StudySettings, Trial, paint, run_trial
 
 ROOT = Path(__file__).parents[2]
 START_SECONDS = 180  # the first page of a busy machine also compiles
+PATIENCE_SECONDS = 90  # for what a page answers once it stands
 LEAVE_SECONDS = 60
 STUDY_SIZE = 48
 STUDY_SHAPES = ("sphere", "cone")
@@ -135,6 +136,7 @@ def wait_until_served(url, server, log):
 @pytest.fixture
 def complaints(page):
     """What the page complained about: errors, and requests that left this machine. Checked after the test."""
+    page.set_default_timeout(PATIENCE_SECONDS * 1000)
     heard: list[str] = []
     page.on("pageerror", lambda error: heard.append(f"page error: {error}"))
     page.on("console", lambda message: heard.append(message.text) if message.type == "error" else None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from pathlib import Path
 
 import panel as pn
@@ -21,6 +22,10 @@ from toonkit.viz.study_page.sheet import SHEET_STYLE, sheet_note, trial_sheet
 from toonkit.viz.study_page.state import StudyState
 
 LINE = "1px solid color-mix(in srgb, var(--panel-on-surface-color) 16%, transparent)"
+UNSENT_SECONDS = 0.3
+"""Panel 1.9 can leave an update unsent that was made while another one was on its way, until the next one: so long after a
+sheet one follows that changes nothing on screen."""
+
 FRAME = {"border": LINE, "border-radius": "10px"}
 
 
@@ -35,7 +40,7 @@ def heat_map_card(state: StudyState) -> pn.Column:
 
 def trial_card(state: StudyState) -> pn.Column:
     """Return the pictures of the selected trial, for all methods side by side."""
-    kept = state.examination  # in the page from the start: an update sent while a page loads can be lost
+    kept = state.examination
     content = trial_sheet(kept, state.records(kept), measure=state.measure) if kept is not None else ""
     sheet = pn.pane.HTML(content, stylesheets=[SHEET_STYLE], min_height=400, margin=0, **WIDE)
     progress = pmui.LinearProgress(
@@ -52,6 +57,8 @@ def trial_card(state: StudyState) -> pn.Column:
             content = await asyncio.to_thread(trial_sheet, examination, records, measure=measure)
             if state.examination is examination:
                 sheet.object = content
+                await asyncio.sleep(UNSENT_SECONDS)
+                sheet.tags = [examination.shape, examination.color_map, measure, time.monotonic()]
 
     async def examine(*_: object) -> None:
         await state.examine()
