@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import sys
-from contextlib import suppress
+from typing import TextIO
 
 
 def prepare_streams() -> None:
@@ -19,12 +19,18 @@ def prepare_streams() -> None:
 
 def discard_output() -> None:
     """Send what is left for stdout nowhere, or Python would complain of it once more as it ends."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, sys.stdout.fileno())
-    os.close(nowhere)
+    _discard(sys.stdout)
 
 
 def complain(message: str) -> None:
     """Say in one line on stderr what went wrong, if anything can be said there."""
-    with suppress(OSError):
+    try:
         print(f"toonkit: {' '.join(message.split())}", file=sys.stderr, flush=True)
+    except OSError:
+        _discard(sys.stderr)  # or Python would end with a status of its own
+
+
+def _discard(stream: TextIO) -> None:
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)
