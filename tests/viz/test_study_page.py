@@ -258,7 +258,7 @@ def test_an_examination_is_kept(state, monkeypatch):
 
 
 def test_the_next_visitor_finds_a_kept_examination_on_the_page(state):
-    asyncio.run(state.examine())
+    run(state.examine())
     assert StudyState(table(), SETTINGS).examination is state.examination
 
 
