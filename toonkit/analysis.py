@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from os import PathLike
+from typing import Literal
 
 import numpy as np
 
@@ -21,6 +22,8 @@ from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination
 from toonkit.numerics.masked_grid import IndexArray
 from toonkit.numerics.report import NOT_REFINED, SolverReport
+
+LightSource = Literal["given", "estimated", "assumed"]
 
 TEXTURE = 0.15
 """Color difference, in sRGB, up to which what the model leaves unexplained is texture, which base colors keep."""
@@ -96,14 +99,26 @@ class ToonAnalysis:
             object.__setattr__(self, "drawing", prepare(self.image, materials=self.materials.labels))
             object.__setattr__(self, "image", self.drawing.image)
 
+    @property
+    def light_source(self) -> LightSource:
+        """Where the light is from: given, estimated, or assumed because the drawing does not say where it is."""
+        if self.light_estimate is None:
+            return "given"
+        return "assumed" if self.light_estimate.is_guess else "estimated"
+
+    def describe_light(self) -> str:
+        """Say in words where the light stands, where it is from, and how sure that is."""
+        estimate = self.light_estimate
+        confidence = "" if estimate is None else f", confidence {estimate.confidence:.2f}"
+        return f"{describe_light(self.light)} ({self.light_source}{confidence})"
+
     def __repr__(self) -> str:
-        estimate, count = self.light_estimate, self.materials.count
-        origin = "given" if estimate is None else f"estimated, confidence {estimate.confidence:.2f}"
+        count = self.materials.count
         parts = (
             f"method {self.method!r}",
             describe_object(self.image.mask),
             "1 material" if count == 1 else f"{count} materials",
-            f"light at {describe_light(self.light)} ({origin})",
+            f"light at {self.describe_light()}",
         )
         return f"ToonAnalysis({', '.join(parts)})"
 

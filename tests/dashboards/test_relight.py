@@ -49,10 +49,10 @@ def until(page, condition, seconds=60):
     return come
 
 
-def upload_ball(page, side, badge=False):
-    """Drop a drawing of a gray ball, at will with a flat red badge, and wait until it is on screen."""
+def upload_ball(page, side, badge=False, flat=False):
+    """Drop a drawing of a gray ball, at will with a flat red badge or unshaded, and wait until it is on screen."""
     y, x = np.mgrid[:side, :side] - side / 2 + 0.5
-    tone = np.where(x + y < 0, 230, 120)
+    tone = np.where((x + y < 0) | flat, 230, 120)
     color = np.dstack([tone, tone, tone])
     if badge:
         color[np.hypot(x - 0.1 * side, y - 0.1 * side) < 0.15 * side] = (200, 30, 40)
@@ -168,6 +168,13 @@ def test_a_picture_of_ones_own_is_analyzed(relight_page):
     chosen = relight_page.locator('[data-value][aria-checked="true"]')
     # The method alone: no sample any more, and no material once the tab shows the new drawing.
     assert until(relight_page, lambda: chosen.count() == 1)
+    relight_page.wait_for_selector("text=/Estimated light: azimuth .* sure/")
+
+
+def test_a_light_that_a_drawing_does_not_say_is_assumed_and_the_user_told(relight_page):
+    upload_ball(relight_page, 90, flat=True)
+    relight_page.wait_for_selector("text=/does not say where its light is. Upper left is assumed/")
+    assert sliders(relight_page, "original") == [130, 50]
 
 
 def test_a_chosen_material_shows_where_it_is_and_that_its_ramp_is_derived(relight_page):

@@ -127,3 +127,5 @@ def test_without_shading_the_light_is_the_customary_one():
     analysis = analyze(image)
     assert light_angles(analysis.light) == pytest.approx(light_fit.CUSTOMARY_LIGHT)
     assert analysis.light_estimate.confidence == 0
+    assert analysis.light_source == "assumed"
+    assert repr(analysis).endswith("light at azimuth 130°, elevation 50° (assumed, confidence 0.00))")

@@ -223,17 +223,12 @@ def _analyze(arguments: argparse.Namespace) -> int:
 
 
 def _summarize(analysis: ToonAnalysis, drawing: str, seconds: float) -> None:
-    from toonkit.estimation.light_fit import GUESS  # noqa: PLC0415
     from toonkit.export.report import ink_share  # noqa: PLC0415
-    from toonkit.model.light import describe_light  # noqa: PLC0415
 
     estimate, materials = analysis.light_estimate, analysis.materials
-    assumed = estimate is not None and estimate.confidence < GUESS
-    source = "assumed" if assumed else "estimated"
-    source = "given" if estimate is None else f"{source}, confidence {estimate.confidence:.2f}"
     print(f"{drawing}: {int(analysis.image.mask.sum()):,} pixels analyzed in {seconds:.1f} s")
-    print(f"light: {describe_light(analysis.light)} ({source})")
-    if assumed:
+    print(f"light: {analysis.describe_light()}")
+    if analysis.light_source == "assumed":
         print("       the drawing does not say where its light is; if you know, say so with --light AZ,EL")
     elif estimate is not None and estimate.confidence < UNSURE:
         print("       this light is a guess; if you know where it was, say so with --light AZ,EL")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -73,6 +73,11 @@ class LightEstimate:
         if not is_number(self.confidence) or not 0 <= self.confidence <= 1:
             raise refuse("confidence", "must be a number from 0 to 1", self.confidence)
 
+    @property
+    def is_guess(self) -> bool:
+        """Whether the picture does not say where its light is: the confidence is below `GUESS`."""
+        return self.confidence < GUESS
+
     def __repr__(self) -> str:
         return f"LightEstimate({describe_light(self.light)}, confidence {self.confidence:.2f})"
 
@@ -139,7 +144,7 @@ def assume_light(image: ToonImage | PreparedDrawing) -> LightEstimate:
     Returns
     -------
     LightEstimate
-        The light to go on with, and the confidence of the estimate; below `GUESS` the light is the customary one.
+        The light to go on with, and the confidence of the estimate.
 
     Raises
     ------
@@ -147,9 +152,9 @@ def assume_light(image: ToonImage | PreparedDrawing) -> LightEstimate:
         If the image is not a `ToonImage`.
     """
     estimate = estimate_light(image)
-    if estimate.confidence >= GUESS:
-        return estimate
-    return LightEstimate(light_direction(*CUSTOMARY_LIGHT), estimate.confidence)
+    if estimate.is_guess:
+        return replace(estimate, light=light_direction(*CUSTOMARY_LIGHT))
+    return estimate
 
 
 def sharpen(belief: LightBelief, drawing: PreparedDrawing, initial_normals: NormalField) -> LightBelief:

@@ -29,7 +29,7 @@ def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
     Returns
     -------
     dict
-        "versions", "method", "light" (unit vector, degrees, whether it was estimated and with what confidence), "picture"
+        "versions", "method", "light" (unit vector, degrees, its source and the confidence of its estimate), "picture"
         (pixels; share of the object that is ink), "materials" (share of the object, tones, color map of each) and "solver"
         (iterations, energies, why it stopped).
 
@@ -55,7 +55,7 @@ def analysis_report(analysis: ToonAnalysis) -> dict[str, Any]:
             "vector": np.asarray(analysis.light).tolist(),
             "azimuth_degrees": azimuth,
             "elevation_degrees": elevation,
-            "source": "given" if estimate is None else "estimated",
+            "source": analysis.light_source,
             "confidence": None if estimate is None else float(estimate.confidence),
         },
         "picture": {

@@ -13,7 +13,6 @@ import panel_material_ui as pmui
 from panel.models.esm import DataEvent
 
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.light_fit import GUESS
 from toonkit.methods import METHODS
 from toonkit.model.light import describe_light
 from toonkit.samples import sample_names, sample_path, sample_title
@@ -78,11 +77,11 @@ def tell_light(analysis: ToonAnalysis | None) -> None:
     estimate = None if analysis is None else analysis.light_estimate
     if estimate is None or pn.state.notifications is None:
         return
-    if estimate.confidence < GUESS:
-        text = "This drawing does not say where its light is. Upper left is assumed: drag the ball on it if you know better."
+    if estimate.is_guess:
+        text = "This drawing does not say where its light is. Upper left is assumed: drag the sun on it if you know better."
     else:
         sure = f"{100 * estimate.confidence:.0f} % sure"
-        text = f"Estimated light: {describe_light(estimate.light)}, {sure}. Drag the ball on the drawing to correct it."
+        text = f"Estimated light: {describe_light(estimate.light)}, {sure}. Drag the sun on the drawing to correct it."
     pn.state.notifications.info(text, duration=LIGHT_NOTE_MILLISECONDS)
 
 
@@ -118,8 +117,10 @@ def drawing_picker(state: RelightState) -> pn.Column:
     async def dropped(files: dict[str, bytes]) -> None:
         # The widget changes this dictionary when the next file is dropped, which may be before this one is analyzed.
         for content in tuple(files.values()):
+            shown = state.analysis
             await state.open_file(content)
-            tell_light(state.analysis)
+            if state.analysis is not shown:  # as it is if this was canceled, or overtaken by another drawing
+                tell_light(state.analysis)
 
     state.param.watch(lambda event: cards.param.update(value=event.new), "sample")
     pn.bind(choose, cards.param.value, watch=True)
