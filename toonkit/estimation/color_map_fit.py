@@ -166,8 +166,7 @@ def allowed_intervals(drawing: PreparedDrawing, color_maps: Sequence[ColorMap]) 
         if material.tones is not None:
             allowed = allowed_interval(material.tones, color_map)
             lower[material.pixels], upper[material.pixels] = allowed.lower, allowed.upper
-    inked = drawing.frame.compact(drawing.ink.coverage) > 0
-    lower[inked], upper[inked] = -1.0, 1.0
+    lower[drawing.inked], upper[drawing.inked] = -1.0, 1.0
     return IlluminationInterval(lower, upper)
 
 
@@ -181,7 +180,7 @@ def painted_intervals(
             own = IlluminationInterval(lower[material.pixels], upper[material.pixels])
             narrow = painted_interval(material.tones, color_map, own)
             lower[material.pixels], upper[material.pixels] = narrow.lower, narrow.upper
-    inked = drawing.frame.compact(drawing.ink.coverage) > 0
+    inked = drawing.inked
     lower[inked], upper[inked] = allowed.lower[inked], allowed.upper[inked]
     return IlluminationInterval(lower, upper)
 

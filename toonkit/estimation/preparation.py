@@ -110,6 +110,11 @@ class PreparedDrawing:
         return ink
 
     @property
+    def inked(self) -> BoolArray:
+        """Which of the object's pixels ink covers, if only in part, shape (P,)."""
+        return self.frame.compact(self.ink.coverage) > 0
+
+    @property
     def ink_coverage(self) -> FloatArray:
         """How much of each pixel is ink, shape (H, W), 0 outside the mask."""
         return self._on_picture(self.ink.coverage, 0.0)
@@ -149,8 +154,7 @@ class PreparedDrawing:
     @property
     def without_ink(self) -> FloatArray:
         """The colors without ink, sRGB, shape (P, 3)."""
-        inked = self.frame.compact(self.ink.coverage) > 0
-        return np.where(inked[:, None], self.paint, self._drawn)
+        return np.where(self.inked[:, None], self.paint, self._drawn)
 
     @cached_property
     def tones(self) -> PaintedTones:
@@ -179,7 +183,7 @@ class PreparedDrawing:
     @cached_property
     def gray(self) -> GrayPaint:
         """The shading that the paint shows, whatever its material."""
-        return gray_paint(self.painted_materials, self.grid, self.frame.compact(self.ink.coverage) > 0)
+        return gray_paint(self.painted_materials, self.grid, self.inked)
 
     @cached_property
     def reduced_paint(self) -> tuple[ReducedPaint, ...]:

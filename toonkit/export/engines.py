@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from toonkit._validation import of_type, refuse
+from toonkit._validation import of_type, one_of
 from toonkit.analysis import ToonAnalysis
 from toonkit.export.atomic import PathLike
 from toonkit.export.normal_map import write_normal_map
@@ -90,8 +90,7 @@ def write_engine_normal_map(
         If an argument breaks these rules, or the file cannot be written.
     """
     of_type("analysis", analysis, ToonAnalysis)
-    if engine not in ENGINES:
-        raise refuse("engine", f"must be one of {', '.join(ENGINES)}", repr(engine))
+    one_of("engine", engine, ENGINES)
     preset = ENGINES[engine]
     write_normal_map(
         analysis.normals,

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from toonkit._validation import as_path, expand_home, of_type, refuse
+from toonkit._validation import as_path, expand_home, of_type, one_of, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.export.archive import save_analysis
 from toonkit.export.atomic import PathLike
@@ -107,8 +107,8 @@ def write_analysis_folder(
         If the folder cannot be written to, or there is no such engine.
     """
     of_type("analysis", analysis, ToonAnalysis)
-    if engine is not None and engine not in ENGINES:
-        raise refuse("engine", f"must be one of {', '.join(ENGINES)}", repr(engine))
+    if engine is not None:
+        one_of("engine", engine, ENGINES)
     target = make_folder(folder)
     writers = _writers(analysis)
     if engine is not None:

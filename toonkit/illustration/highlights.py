@@ -120,7 +120,7 @@ def _extent(tones: Tones, group: Groups) -> _Extent:
 
 
 def _contact(
-    pieces: NDArray[np.intp], tones: NDArray[np.int32], count: int, tone_count: int
+    pieces: NDArray[np.intp], tones: NDArray[np.integer], count: int, tone_count: int
 ) -> tuple[sparse.coo_array, NDArray[np.intp]]:
     """Count each piece's pairs of neighboring pixels: those with every tone, and all of them."""
     own, other = [], []
@@ -147,8 +147,8 @@ def _few(lit: BoolArray, owner: NDArray[np.intp]) -> BoolArray:
     if count <= SEVERAL:
         return lit
     pieces, grounds = label(np.where(lit, 0, owner + 1), background=0, return_num=True, connectivity=1)
-    beside, _ = _contact(spots, pieces.astype(np.int32), count + 1, grounds + 1)
-    ground = beside.toarray()[:, 1:].argmax(axis=1)
+    beside, _ = _contact(spots, pieces - 1, count + 1, grounds)
+    ground = np.asarray(beside.tocsr().argmax(axis=1)).ravel()
     area = np.bincount(spots.ravel())
     area[0] = 0
     largest = np.zeros(grounds, np.intp)

@@ -155,9 +155,8 @@ def _beside_another(labels: Labels, mask: BoolArray) -> BoolArray:
 def _mostly(lit: BoolArray, told: Labels) -> BoolArray:
     """Mark the pixels of materials, named by somebody, that highlights would cover: to them these are paint."""
     named = told >= 0
-    covered = np.bincount(told[named & lit], minlength=1)
-    area = np.bincount(told[named], minlength=len(covered))
-    mostly = 2 * np.append(covered, np.zeros(len(area) - len(covered))) > area
+    area = np.bincount(told[named])
+    mostly = 2 * np.bincount(told[named & lit], minlength=len(area)) > area
     return named & np.asarray(mostly[told])
 
 

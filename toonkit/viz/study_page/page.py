@@ -58,7 +58,7 @@ def trial_card(state: StudyState) -> pn.Column:
             if state.examination is examination:
                 sheet.object = content
                 await asyncio.sleep(UNSENT_SECONDS)
-                sheet.tags = [examination.shape, examination.color_map, measure, time.monotonic()]
+                sheet.tags = [time.monotonic()]
 
     async def examine(*_: object) -> None:
         await state.examine()
