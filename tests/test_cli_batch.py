@@ -32,10 +32,10 @@ WAIT_SECONDS = 120
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Three small drawings, a broken one, and what is none."""
+    """Three drawings, each larger than the one before, a broken one, and what is none."""
     home = tmp_path_factory.mktemp("folder")
     for number, name in enumerate(DRAWINGS):
-        write_picture(draw_scene(number, size=64).image, home / f"{name}.png")
+        write_picture(draw_scene(number, size=64 << number).image, home / f"{name}.png")
     (home / "broken.jpg").write_bytes(b"no picture")
     (home / "notes.txt").write_text("mine")
     (home / ".hidden.png").write_bytes(b"no picture")
@@ -125,7 +125,11 @@ def test_a_batch_that_was_stopped_goes_on_and_ends_as_one_in_one_go(folder, in_o
     while not reports(tmp_path) and time.monotonic() < deadline:
         time.sleep(0.01)
     workers = psutil.Process(process.pid).children(recursive=True)
+    for worker in workers:  # else the batch might be through before it is stopped
+        worker.suspend()
     process.send_signal(stop)
+    for worker in workers:
+        worker.resume()
     _, complained = process.communicate(timeout=WAIT_SECONDS)
     assert process.returncode == (130 if stop == signal.SIGINT else -stop)
     assert ("the same command goes on from there" in complained) is (stop == signal.SIGINT)

@@ -12,6 +12,7 @@ from toonkit.viz.study_page.page import study_page as study_page_of
 
 pytestmark = pytest.mark.browser
 
+REST_SECONDS = 0.5
 # Where on the screen a place of the heat map lies, and what its color bar says.
 ON_SCREEN = """([x, y]) => {
   const figure = [...Bokeh.documents[0]._all_models.values()].find((model) => model.type === "Figure")
@@ -29,6 +30,15 @@ def choose(page, label, option):
     page.get_by_role("combobox", name=label).click()
     page.get_by_role("menuitem", name=option, exact=True).click()
     page.get_by_role("listbox").wait_for(state="hidden")
+
+
+def click(page, place):
+    """Click on a place of the heat map once the page has come to rest: what is above it moves it while it is laid out."""
+    before, seen = None, page.evaluate(ON_SCREEN, place)
+    while before != seen:
+        page.wait_for_timeout(REST_SECONDS * 1000)
+        before, seen = seen, page.evaluate(ON_SCREEN, place)
+    page.mouse.click(*seen)
 
 
 def pictures(page, trial):
@@ -58,7 +68,7 @@ def test_measure_and_methods_change_the_heat_map(study_page):
 def test_a_click_on_a_cell_or_a_name_shows_that_trial(study_page):
     shown = []
     for place, trial in (((0, -1), "cone in terracotta"), ((1, 0), "sphere in ocean")):
-        study_page.mouse.click(*study_page.evaluate(ON_SCREEN, place))
+        click(study_page, place)
         shown.append(pictures(study_page, trial))
     choose(study_page, "Shape", "cone")
     shown.append(pictures(study_page, "cone in ocean"))
