@@ -81,13 +81,12 @@ def find_zones(lab: Lab, paint: BoolArray) -> Zones:
     """
     lab = _without_grain(lab, paint)
     change, flat = np.zeros(paint.shape, np.float32), np.zeros(paint.shape, np.bool_)
-    _measure(lab, paint, np.float32(SAME**2), flat, change)
+    row, width = lab.reshape(-1, 3), paint.shape[1]
+    _measure(row, paint.ravel(), width, np.float32(SAME**2), flat.ravel(), change.ravel())
     weight = ndimage.uniform_filter(paint.astype(np.float32), SURROUNDINGS)
     around = ndimage.uniform_filter(change, SURROUNDINGS) / np.maximum(weight, 1e-6)
     smooth = paint & (flat | (change < SAME + CONTRAST * around))
-    labels = np.full(paint.shape, -1, np.int32)
-    _connect(lab, smooth, flat, np.float32(SAME**2), labels)
-    return _without_specks(labels, lab, paint)
+    return _without_specks(_connected(smooth, flat, lab), lab, paint)
 
 
 def _without_grain(lab: Lab, paint: BoolArray) -> Lab:
@@ -112,14 +111,22 @@ def _without_grain(lab: Lab, paint: BoolArray) -> Lab:
     return np.where(paint[..., None], smooth, lab)
 
 
+def _connected(smooth: BoolArray, flat: BoolArray, lab: Lab) -> Labels:
+    """Number connected pieces from 0; -1 where it is not smooth."""
+    labels = np.full(smooth.shape, -1, np.int32)
+    own = np.arange(smooth.size, dtype=np.int32)
+    row, width = lab.reshape(-1, 3), smooth.shape[1]
+    _connect(row, smooth.ravel(), flat.ravel(), width, np.float32(SAME**2), own, labels.ravel())
+    return labels
+
+
 def _without_specks(labels: Labels, lab: Lab, paint: BoolArray) -> Zones:
     """Dissolve pieces that are too small or nothing but the mixture between two others, and fill all of the paint."""
     sizes = np.bincount(labels[labels >= 0])
     own = labels >= 0
     own[own] = sizes[labels[own]] >= FEWEST
     thin = paint & ~own
-    pieces = np.full(paint.shape, -1, np.int32)
-    _connect(lab, thin, thin, np.float32(SAME**2), pieces)
+    pieces = _connected(thin, thin, lab)
     kept = _unmixed_pieces(pieces, lab, paint)
     labels = np.where(own, labels, np.where(kept, pieces + len(sizes), -1))
     own |= kept
@@ -164,49 +171,46 @@ def _unmixed_pieces(pieces: Labels, lab: Lab, paint: BoolArray) -> BoolArray:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _measure(lab, paint, same, flat, change):  # type: ignore[no-untyped-def]
+def _measure(lab, paint, width, same, flat, change):  # type: ignore[no-untyped-def]
     """Mark pixels with enough neighbors alike, and measure how much each differs from its four neighbors at most."""
-    for i in range(1, paint.shape[0] - 1):
-        for j in range(1, paint.shape[1] - 1):
-            if not paint[i, j]:
-                continue
-            alike, present, most = 0, 0, np.float32(0.0)
-            for di in range(-1, 2):
-                for dj in range(-1, 2):
-                    if (di != 0 or dj != 0) and paint[i + di, j + dj]:
-                        d0 = lab[i + di, j + dj, 0] - lab[i, j, 0]
-                        d1 = lab[i + di, j + dj, 1] - lab[i, j, 1]
-                        d2 = lab[i + di, j + dj, 2] - lab[i, j, 2]
-                        d = d0 * d0 + d1 * d1 + d2 * d2
-                        present += 1
-                        if d < same:
-                            alike += 1
-                        if (di == 0 or dj == 0) and d > most:
-                            most = d
-            flat[i, j] = alike >= 3 or (present > 0 and alike == present)
-            change[i, j] = np.sqrt(most)
+    for p in range(width + 1, paint.size - width - 1):
+        if not paint[p]:
+            continue
+        alike, present, most = 0, 0, np.float32(0.0)
+        for n in range(9):
+            q = p + (n // 3 - 1) * width + n % 3 - 1
+            if q != p and paint[q]:
+                d0 = lab[q, 0] - lab[p, 0]
+                d1 = lab[q, 1] - lab[p, 1]
+                d2 = lab[q, 2] - lab[p, 2]
+                d = d0 * d0 + d1 * d1 + d2 * d2
+                present += 1
+                if d < same:
+                    alike += 1
+                if n % 2 == 1 and d > most:
+                    most = d
+        flat[p] = alike >= 3 or (present > 0 and alike == present)
+        change[p] = np.sqrt(most)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _connect(lab, smooth, flat, same, labels):  # type: ignore[no-untyped-def]
-    """Label connected pieces: flat pixels that are alike, and pixels of no edge that are not both flat."""
-    height, width = smooth.shape
-    parent = np.empty(height * width, np.int32)
-    for i in range(1, height - 1):
-        for j in range(1, width - 1):
-            if not smooth[i, j]:
-                continue
-            p = i * width + j
-            parent[p] = p
-            for k in range(2):
-                ii, jj = (i - 1, j) if k == 0 else (i, j - 1)
-                if not smooth[ii, jj]:
-                    continue
-                d0 = lab[ii, jj, 0] - lab[i, j, 0]
-                d1 = lab[ii, jj, 1] - lab[i, j, 1]
-                d2 = lab[ii, jj, 2] - lab[i, j, 2]
-                if d0 * d0 + d1 * d1 + d2 * d2 < same or not (flat[i, j] or flat[ii, jj]):
-                    a, b = p, ii * width + jj
+def _connect(lab, smooth, flat, width, same, parent, labels):  # type: ignore[no-untyped-def]
+    """
+    Label connected pieces: flat pixels that are alike, and pixels of no edge that are not both flat.
+
+    `parent` holds the pixels' own indices. Here and above, pixels are counted in one row: that halves the time to compile.
+    """
+    for p in range(width + 1, smooth.size - width - 1):
+        if not smooth[p]:
+            continue
+        q = p - width
+        for _ in range(2):
+            if smooth[q]:
+                d0 = lab[q, 0] - lab[p, 0]
+                d1 = lab[q, 1] - lab[p, 1]
+                d2 = lab[q, 2] - lab[p, 2]
+                if d0 * d0 + d1 * d1 + d2 * d2 < same or not (flat[p] or flat[q]):
+                    a, b = p, q
                     while parent[a] != a:
                         parent[a] = parent[parent[a]]
                         a = parent[a]
@@ -217,16 +221,13 @@ def _connect(lab, smooth, flat, same, labels):  # type: ignore[no-untyped-def]
                         parent[b] = a
                     else:
                         parent[a] = b
+            q = p - 1
     count = 0
-    for i in range(1, height - 1):
-        for j in range(1, width - 1):
-            if smooth[i, j]:
-                p = i * width + j
-                a = p
-                while parent[a] != a:
-                    a = parent[a]
-                if a == p:
-                    labels[i, j] = count
-                    count += 1
-                else:
-                    labels[i, j] = labels[a // width, a % width]
+    for p in range(smooth.size):
+        if smooth[p]:
+            if parent[p] == p:
+                labels[p] = count
+                count += 1
+            else:
+                parent[p] = parent[parent[p]]
+                labels[p] = labels[parent[p]]
