@@ -23,9 +23,10 @@ from tests.illustration.drawings import (
     agreement,
     same_partition,
 )
-from toonkit import Materials, ToonImage, analyze, find_materials, relight
+from toonkit import Materials, ToonImage, analyze, angular_error, find_materials, relight
 from toonkit.estimation.preparation import prepare
 from toonkit.study.color_maps import load_color_maps
+from toonkit.synthetic.drawing import draw_scene
 
 BODY = Ball(48, 48, 42, RED)
 LEFT, RIGHT = Ball(48, 32, 28, GREEN), Ball(50, 66, 24, SKIN)
@@ -284,6 +285,20 @@ def test_a_compressor_s_noise_is_taken_off_flat_paint_and_kept_when_relit(qualit
     assert shares[0] < 0.95 < shares[1]
     analysis = analyze(image, LIGHT)
     assert np.array_equal(relight(analysis, LIGHT).to_rgba(), image.to_rgba())
+
+
+def test_a_compressor_hides_neither_ink_nor_tones_and_hardly_changes_the_shape() -> None:
+    scene = draw_scene(10_002, size=256, recipe="bee")
+    page = np.where(scene.image.mask[..., None], scene.image.color, 1.0)
+    buffer = io.BytesIO()
+    Image.fromarray(np.round(page * 255).astype(np.uint8)).save(buffer, "JPEG", quality=90)
+    compressed = ToonImage(np.asarray(Image.open(buffer)) / 255, scene.image.mask)
+    clean, noisy = analyze(scene.image, scene.light), analyze(compressed, scene.light)
+    ink = [analysis.drawing.ink_coverage.sum() for analysis in (clean, noisy)]
+    assert ink[1] == pytest.approx(ink[0], rel=0.15)
+    tones = [[len(shades) for shades in analysis.materials.tones[:3]] for analysis in (clean, noisy)]
+    assert tones[0] == tones[1]
+    assert angular_error(noisy.normals, clean.normals).mean < 10.0  # 23 with the noise
 
 
 def test_clean_paint_and_gradients_are_no_noise() -> None:

@@ -1,4 +1,4 @@
-"""Noise of a compressor: flat paint whose colors waver by some steps, as JPEG files have it."""
+"""Noise of a compressor: paint whose colors waver by some steps and run into each other along borders, as in JPEG files."""
 
 from __future__ import annotations
 
@@ -6,38 +6,51 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
-from toonkit._validation import BoolArray
-from toonkit.illustration.filling import nearest_sources
+from toonkit._validation import BoolArray, FloatArray
+from toonkit.illustration.filling import Labels
 from toonkit.illustration.frame import Frame
-from toonkit.model.oklab import tabulated_oklab
+from toonkit.illustration.zones import find_zones
+from toonkit.model.oklab import Lab, tabulated_oklab
+from toonkit.numerics.compiled import njit
 
-NEAR, AROUND, BESIDE = 3, 8, 10
-"""Steps of an 8-bit channel: how far most pixels of a flat color waver, how far it is taken for that color, and the distance
-within which there is hardly another one, as there would be in a gradient."""
+WAVERS = 16
+"""Steps of an 8-bit channel within which neighbors are the same paint that wavers, and not an edge."""
 
-CONCENTRATED = 0.75
-"""Share of the pixels within `BESIDE` of a flat color that are within `NEAR`, at least."""
+NOISY, ROUGH = 0.2, 1.05
+"""Share of the pixels that waver, at least, and their second differences relative to first ones: clean gradients stay
+below 0.8, and clean flat colors hardly waver."""
 
-FREQUENT, COLORS = 0.002, 96
-"""Share of the pixels that a flat color has at least, and how many colors are looked at, at most."""
+ALIKE, PASSES = 20, 3
+"""Steps of a channel within which neighbors are averaged, and how often."""
 
-MOSTLY_FLAT, NOISY = 0.4, 0.03
-"""Shares of the pixels: in flat colors, at least, and of those that have not quite their color."""
+STEADY = 12
+"""Steps of a channel within which a pixel and its eight neighbors are the same paint, away from borders."""
 
-ROUGH = 1.1
-"""Second differences relative to first ones where colors waver, from which that is noise: gradients stay below 0.7."""
+REACH = 6
+"""Pixels beside a border whose hue may be another paint's."""
 
-SAMPLED = 40_000
-"""Pixels in which flat colors are looked for, at most."""
+LUMA = np.array([0.299, 0.587, 0.114])
+"""JPEG's luma of a color in sRGB (ITU-R BT.601)."""
 
-REACH = 4
-"""Pixels beside flat paint that may be smeared with it."""
+SAME_LUMA = 12 / 255
+"""Luma by which pixels beside a border may differ from their own paint: compressors keep it better than hue."""
+
+FEWEST = 12
+"""Pixels of a flat zone, at least."""
+
+FLAT, NEAR, AROUND = 0.9, 5, 16
+"""Share of a flat zone's middle, at least, whose colors are near its median, and steps of a channel: how near these are, and
+how far from it colors are taken for it."""
+
+ONE_COLOR = 6
+"""Steps of a channel within which two flat zones are of one color."""
 
 
 def without_noise(frame: Frame) -> Frame:
     """
-    Give pixels of flat paint one color each, if the drawing is painted in flat colors that waver.
+    Give flat paint one color each, and pixels beside borders that of their own paint, if colors waver all over a drawing.
 
     Parameters
     ----------
@@ -47,58 +60,150 @@ def without_noise(frame: Frame) -> Frame:
     Returns
     -------
     Frame
-        The same with clean colors: pixels beside flat paint, which a compressor smears, take the nearest of its colors. A
-        drawing without noise, or in gradients, returns as it is.
+        The same with clean colors; a drawing without noise returns as it is.
     """
-    levels = np.rint(frame.color[frame.mask] * 255).astype(np.int32)
-    palette = _flat_colors(levels[:: -(-len(levels) // SAMPLED)])
-    if not palette:
+    if not _wavers(frame):
         return frame
-    color, flat, wavering = frame.color.copy(), np.zeros_like(frame.mask), np.zeros_like(frame.mask)
-    place = np.flatnonzero(frame.mask)
-    for peak in palette:
-        red, green, blue = (np.abs(levels[:, k] - peak[k]) for k in range(3))
-        near = (red <= AROUND) & (green <= AROUND) & (blue <= AROUND)
-        color.reshape(-1, 3)[place[near]] = peak / 255
-        flat.ravel()[place[near]] = True
-        wavering.ravel()[place[near]] = (red + green + blue)[near] > 0
-        place, levels = place[~near], levels[~near]
-    if _roughness(frame, flat, wavering) < ROUGH:
-        return frame
-    source = nearest_sources(flat, frame.lab, frame.mask, within=REACH)
-    smeared = source >= 0
-    color[smeared] = color.reshape(-1, 3)[source[smeared]]
+    averaged = np.empty_like(frame.color)
+    color = frame.color
+    for _ in range(PASSES):
+        _average(
+            color.reshape(-1, 3),
+            frame.color.reshape(-1, 3),
+            frame.mask.ravel(),
+            frame.mask.shape[1],
+            ALIKE / 255,
+            averaged.reshape(-1, 3),
+        )
+        color, averaged = averaged, np.empty_like(averaged)
+    lab = tabulated_oklab(color)
+    source = _own_paint(color, lab, frame.mask)
+    color, lab = color.reshape(-1, 3)[source], lab.reshape(-1, 3)[source]
+    color = _flattened(color, lab, frame.mask)
     return replace(frame, color=color, lab=tabulated_oklab(color))
 
 
-def _roughness(frame: Frame, flat: BoolArray, wavering: BoolArray) -> float:
-    """Second differences of the pixels that waver relative to their first ones: large for noise, small in a gradient."""
+def _wavers(frame: Frame) -> bool:
+    """Tell whether colors waver without any direction in much of a drawing."""
+    inner = ndimage.minimum_filter(frame.mask, 3)
+    spread = _spread(frame.color)
+    wavering = inner & (spread > 0.5) & (spread < WAVERS + 0.5)
+    if np.count_nonzero(wavering) <= NOISY * np.count_nonzero(inner):
+        return False
     value, second, first = frame.color.sum(axis=2), 0.0, 0.0
     for axis in (0, 1):
         before, after = np.roll(value, 1, axis), np.roll(value, -1, axis)
-        counted = wavering & np.roll(flat, 1, axis) & np.roll(flat, -1, axis)
-        second += float(np.abs(before - 2 * value + after)[counted].sum())
-        first += float(np.abs(before - after)[counted].sum())
-    return second / max(first, 1e-9)
+        second += float(np.abs(before - 2 * value + after)[wavering].sum())
+        first += float(np.abs(before - after)[wavering].sum())
+    return second > ROUGH * first
 
 
-def _flat_colors(levels: NDArray[np.int32]) -> list[NDArray[np.int32]]:
-    """Find the flat colors among pixels (n, 3) of 8 bits; none if they do not waver, or are few."""
-    keys, pixels = np.unique(levels @ np.array([65_536, 256, 1], np.int32), return_counts=True)
-    if pixels.max() < FREQUENT * len(levels):
-        return []
-    palette = np.column_stack([keys >> 16, keys >> 8 & 255, keys & 255])
-    found, flat, exact = [], 0, 0
-    for _ in range(COLORS):
-        peak = int(pixels.argmax())
-        away = np.abs(palette - palette[peak]).max(axis=1)
-        near, beside = pixels[away <= NEAR].sum(), pixels[away <= BESIDE].sum()
-        if beside < FREQUENT * len(levels):
-            break
-        if near >= CONCENTRATED * beside:
-            found.append(palette[peak])
-            flat += pixels[away <= AROUND].sum()
-            exact += pixels[peak]
-        pixels = np.where(away <= BESIDE, 0, pixels)
-    wavers = flat >= MOSTLY_FLAT * len(levels) and flat - exact >= NOISY * flat
-    return found if wavers else []
+def _spread(color: FloatArray) -> FloatArray:
+    """Range of each pixel and its eight neighbors, in steps of the channel where it is largest."""
+    spread: FloatArray = np.zeros(color.shape[:2])
+    for channel in np.moveaxis(color, 2, 0):
+        spread = np.maximum(spread, ndimage.maximum_filter(channel, 3) - ndimage.minimum_filter(channel, 3))
+    return 255 * spread
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _average(color, original, mask, width, alike, out):  # type: ignore[no-untyped-def]
+    """Average each pixel with those neighbors that are like what it was at first."""
+    for p in range(mask.size):
+        for c in range(3):
+            out[p, c] = color[p, c]
+        if not mask[p]:
+            continue
+        count = 1
+        for n in range(9):
+            q = p + (n // 3 - 1) * width + n % 3 - 1
+            if (
+                mask[q]
+                and q != p
+                and abs(color[q, 0] - original[p, 0]) < alike
+                and abs(color[q, 1] - original[p, 1]) < alike
+                and abs(color[q, 2] - original[p, 2]) < alike
+            ):
+                count += 1
+                for c in range(3):
+                    out[p, c] += color[q, c]
+        for c in range(3):
+            out[p, c] /= count
+
+
+def _own_paint(color: FloatArray, lab: Lab, mask: BoolArray) -> NDArray[np.intp]:
+    """
+    Find steady pixels of the same luma near those that are not: a compressor smears hues further than luma.
+
+    Parameters
+    ----------
+    color : ndarray, shape (h, w, 3)
+        sRGB.
+    lab : ndarray of float32, shape (h, w, 3)
+        The same in OKLab.
+    mask : ndarray of bool, shape (h, w)
+        The object; False on the border of the array.
+
+    Returns
+    -------
+    ndarray of int, shape (h, w)
+        Flat index of the pixel whose color each gets: its own where it is steady, or nothing is found.
+    """
+    own = np.arange(mask.size).reshape(mask.shape)
+    steady = mask & (_spread(color) < STEADY + 0.5)
+    source = np.where(steady, own, -1).ravel()
+    luma, lab, width = (color @ LUMA).ravel(), lab.reshape(-1, 3), mask.shape[1]
+    left = np.flatnonzero(mask & ~steady & ndimage.maximum_filter(steady, 2 * REACH + 1))
+    for _ in range(REACH):
+        least, found = np.full(len(left), np.inf, np.float32), np.full(len(left), -1)
+        for step in (1, width, width + 1, width - 1):
+            for side in (left - step, left + step):
+                candidate = source[side]
+                away = ((lab[candidate] - lab[left]) ** 2).sum(axis=1)
+                nearer = (
+                    (candidate >= 0) & (np.abs(luma[candidate] - luma[left]) < SAME_LUMA) & (away < least)
+                )
+                least, found = np.where(nearer, away, least), np.where(nearer, candidate, found)
+        source[left] = found
+        left = left[found < 0]
+    return np.where(source.reshape(mask.shape) >= 0, source.reshape(mask.shape), own)
+
+
+def _flattened(color: FloatArray, lab: Lab, mask: BoolArray) -> FloatArray:
+    """Give the flat zones of a picture (h, w, 3) their median colors, and one color to those that differ by noise alone."""
+    zones = find_zones(lab, mask)
+    unmixed = mask & (zones.sources == np.arange(mask.size).reshape(mask.shape))
+    zone, shown = zones.labels[unmixed], 255 * color[unmixed]
+    area = np.bincount(zone)
+    every = np.arange(len(area))
+    usual = np.column_stack([ndimage.median(channel, zone, every) for channel in shown.T])
+    away = np.abs(shown - usual[zone]).max(axis=1)
+    inner = _far_from_borders(zones.labels)[unmixed]
+    counted = inner | (np.bincount(zone, inner, len(area)) < FEWEST)[zone]
+    near = np.bincount(zone, counted & (away <= NEAR), len(area))
+    flat = (area >= FEWEST) & (near >= FLAT * np.bincount(zone, counted, len(area)))
+    clean = unmixed.copy()
+    clean[unmixed] = flat[zone] & (away <= AROUND)
+    cleaned = color.copy()
+    cleaned[clean] = _few_colors(usual, np.where(flat, area, 0))[zones.labels[clean]] / 255
+    return cleaned
+
+
+def _far_from_borders(labels: Labels) -> BoolArray:
+    """Mark the pixels that have nothing but their own zone within half of `REACH`: a compressor leaves these as they are."""
+    width = REACH | 1
+    far: BoolArray = ndimage.minimum_filter(labels, width) == ndimage.maximum_filter(labels, width)
+    return far
+
+
+def _few_colors(usual: FloatArray, area: NDArray[np.intp]) -> FloatArray:
+    """Give each of the colors (n, 3) that one of a larger area (n,), which is nearly the same, if there is one."""
+    colors = usual.copy()
+    palette = np.empty((0, 3))
+    for zone in np.argsort(-area, kind="stable")[: np.count_nonzero(area)]:
+        away = np.abs(palette - usual[zone]).max(axis=1)
+        if away.size and away.min() <= ONE_COLOR:
+            colors[zone] = palette[away.argmin()]
+        else:
+            palette = np.vstack([palette, usual[zone]])
+    return colors
