@@ -15,6 +15,7 @@ from scipy import sparse
 from skimage.measure import label
 
 from toonkit._validation import BoolArray, FloatArray
+from toonkit.illustration.filling import Labels
 from toonkit.illustration.ramps import Groups
 from toonkit.illustration.tones import Tones
 
@@ -26,6 +27,9 @@ PALEST = 0.02
 
 BRIGHT = 0.75
 """OKLab lightness of a highlight, at least."""
+
+PALE = 0.06
+"""OKLab chroma of a highlight on a material that somebody named, at most."""
 
 EVEN = 0.06
 """Range of OKLab lightness within the color of a highlight, at most."""
@@ -44,6 +48,14 @@ LARGEST, LARGEST_TOGETHER, LARGEST_BESIDE = 0.05, 0.12, 0.3
 
 SEVERAL, ALIKE = 2, 0.25
 """Highlights on one piece of paint, at most, of those that are not far smaller than the largest: more are a pattern."""
+
+TOUCHING, SPOTS = 0.05, 0.8
+"""Of a color that a material shows among others: share of a spot's perimeter along that material at most, if the spot lies
+on another one, and share of the color's area that spots have, at least."""
+
+JUMP, LARGEST_NAMED = 0.25, 0.3
+"""Of a material that somebody named: OKLab lightness by which a highlight is brighter than every other large tone, and its
+share of the material at most."""
 
 LARGE = 0.05
 """Share of a material from which a tone counts as a large one."""
@@ -68,49 +80,134 @@ def find_highlights(tones: Tones, group: Groups) -> BoolArray:
     tones : Tones
         The tones of a drawing.
     group : ndarray of int, shape (n,)
-        Material of each tone, 0 to below m; highlights of one color may be one of its own.
+        Material of each tone, 0 to below m; highlights of one color may be one of its own, or the brightest tones of one
+        whose ramp they happen to fit: then there must be some on another material.
 
     Returns
     -------
     ndarray of bool, shape (h, w)
         True on highlights, whatever lies beneath them.
     """
-    extent = _extent(tones, group)
-    whole = tones.area.sum()
-    even = extent.brightest - extent.darkest < EVEN
-    candidate = even & (extent.darkest > BRIGHT) & (extent.area < LARGEST_TOGETHER * whole)
+    color, home = _bright_colors(tones, group)
     painted = tones.labels >= 0
-    owner = np.where(painted, group[tones.labels], -1)
-    possible: BoolArray = painted & candidate[owner]
+    owner = np.where(painted, color[tones.labels], -1)
+    possible: BoolArray = owner >= 0
     if not possible.any():
         return possible
-    pieces = label(np.where(possible, owner + 1, 0), background=0, connectivity=2)
+    pieces = label(owner + 1, background=0, connectivity=2)
     count = int(pieces.max()) + 1
     member = np.zeros(count, np.intp)
     member[pieces[possible]] = owner[possible]
     area = np.bincount(pieces.ravel(), minlength=count)
     beside, perimeter = _contact(pieces, tones.labels, count, len(tones.area))
+    spots = _extent(tones, color, len(home))
+    around = _extent(tones, group, len(home))
+    shaded = _extent(tones, np.where(color >= len(home) // 2, -1, group), len(home))
     lightness, chroma = tones.lab[:, 0], np.hypot(tones.lab[:, 1], tones.lab[:, 2])
     piece, tone = beside.row, beside.col
+    ground = group[tone]
+    own = ground == home[member[piece]]
     surrounds = (
-        (lightness[tone] < extent.darkest[member[piece]] - BRIGHTER)
-        & (chroma[tone] > extent.chroma[member[piece]] - PALEST)
-        & (LARGEST_BESIDE * extent.area[group[tone]] > area[piece])
+        (lightness[tone] < spots.darkest[member[piece]] - BRIGHTER)
+        & (chroma[tone] > spots.chroma[member[piece]] - PALEST)
+        & (LARGEST_BESIDE * around.area[ground] > area[piece])
     )
-    lit = surrounds & (lightness[tone] > extent.brightest[group[tone]] - LIT_RANGE)
+    brightest = np.where(own, shaded.brightest[ground], around.brightest[ground])
+    lit = surrounds & (lightness[tone] > brightest - LIT_RANGE)
     enclosed = np.bincount(piece, beside.data * surrounds, count) / np.maximum(perimeter, 1)
     at_light = np.bincount(piece, beside.data * lit, count) / np.maximum(perimeter, 1)
     apart = np.bincount(piece, beside.data * ~surrounds, count) / np.maximum(perimeter, 1)
-    found = (enclosed > ENCLOSED) & (at_light > LIT) & (apart < APART) & (area < LARGEST * whole)
+    found = (enclosed > ENCLOSED) & (at_light > LIT) & (apart < APART) & (area < LARGEST * tones.area.sum())
     found[0] = False
-    return _few(found[pieces], owner)
+    at_home = np.bincount(piece, beside.data * own, count)
+    found &= _spots_alone(found, area, member, home, at_home / np.maximum(perimeter, 1))
+    return _few(found[pieces], np.where(painted, group[tones.labels], -1))
 
 
-def _extent(tones: Tones, group: Groups) -> _Extent:
+def find_named_highlights(tones: Tones, materials: Labels) -> BoolArray:
+    """
+    Find the pixels of highlights on materials that somebody named.
+
+    Parameters
+    ----------
+    tones : Tones
+        The tones of a drawing.
+    materials : ndarray of int, shape (h, w)
+        Material of each pixel, -1 where nobody named one.
+
+    Returns
+    -------
+    ndarray of bool, shape (h, w)
+        True where a material shows a bright and pale tone far above its others.
+    """
+    named: BoolArray = (materials >= 0) & (tones.labels >= 0)
+    if not named.any():
+        return named
+    number = len(tones.area)
+    key = np.where(named, materials.astype(np.intp) * number + tones.labels, 0)
+    area = np.bincount(key[named], minlength=(int(materials.max()) + 1) * number).reshape(-1, number)
+    share = area / np.maximum(area.sum(axis=1, keepdims=True), 1)
+    lightness, chroma = tones.lab[:, 0], np.hypot(tones.lab[:, 1], tones.lab[:, 2])
+    bright = (lightness > BRIGHT) & (chroma < PALE) & (area > 0)
+    below = np.where((share >= LARGE) & ~bright, lightness, -np.inf).max(axis=1, keepdims=True)
+    bright &= lightness > below + JUMP
+    few = np.isfinite(below) & ((bright * share).sum(axis=1, keepdims=True) < LARGEST_NAMED)
+    lit: BoolArray = named & (bright & few).ravel()[key]
+    return lit
+
+
+def _spots_alone(
+    found: BoolArray,
+    area: NDArray[np.intp],
+    member: NDArray[np.intp],
+    home: NDArray[np.intp],
+    at_home: FloatArray,
+) -> BoolArray:
+    """
+    Tell which pieces are not of a color that is a lit tone where a material shows it among others.
+
+    It is none if nearly all of its pieces are spots, and one is beside its home: a lit tone borders on its material's shade.
+    """
+    shown = home[member] >= 0
+    found = found & ~(shown & (at_home > TOUCHING) & (at_home < 0.5))
+    spots = np.bincount(member, area * found, len(home))
+    abroad = np.bincount(member, found & (at_home <= TOUCHING), len(home))
+    alone: BoolArray = found & (
+        ~shown | ((spots > SPOTS * np.bincount(member, area, len(home))) & (abroad > 0))[member]
+    )
+    return alone
+
+
+def _bright_colors(tones: Tones, group: Groups) -> tuple[Groups, NDArray[np.intp]]:
+    """
+    Return the colors that highlights may have.
+
+    Returns
+    -------
+    color : ndarray of int, shape (n,)
+        Color of each tone, -1 if highlights have another one.
+    home : ndarray of int, shape (c,)
+        Material that shows each color among others; -1 if none does.
+    """
     count = int(group.max()) + 1
-    area = np.zeros(count)
-    np.add.at(area, group, tones.area)
-    large = tones.area >= LARGE * area[group]
+    extent = _extent(tones, group, count)
+    even = extent.brightest - extent.darkest < EVEN
+    alone = even & (extent.darkest > BRIGHT)
+    brightest = np.zeros(count)
+    np.maximum.at(brightest, group, tones.lab[:, 0])
+    top = tones.lab[:, 0] > np.maximum(brightest[group] - LIT_RANGE, BRIGHT)
+    top &= ~alone[group] & (tones.lab[:, 0] > extent.darkest[group] + BRIGHTER)
+    color = np.where(top, group + count, np.where(alone[group], group, -1))
+    area = np.bincount(color[color >= 0], tones.area[color >= 0], 2 * count)
+    color = np.where((color >= 0) & (area[color] < LARGEST_TOGETHER * tones.area.sum()), color, -1)
+    home = np.concatenate([np.full(count, -1), np.arange(count)])
+    return color, home
+
+
+def _extent(tones: Tones, group: Groups, count: int) -> _Extent:
+    member = group >= 0
+    area = np.bincount(group[member], tones.area[member], count).astype(np.float64)
+    large = member & (tones.area >= LARGE * area[group])
     lightness, chroma = tones.lab[:, 0], np.hypot(tones.lab[:, 1], tones.lab[:, 2])
     darkest, brightest, palest = np.ones(count), np.zeros(count), np.zeros(count)
     np.minimum.at(darkest, group[large], lightness[large])

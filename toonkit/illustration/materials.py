@@ -17,7 +17,7 @@ from scipy import ndimage
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.illustration.filling import Labels, nearest_sources
 from toonkit.illustration.frame import Frame
-from toonkit.illustration.highlights import find_highlights
+from toonkit.illustration.highlights import find_highlights, find_named_highlights
 from toonkit.illustration.ink import PAINT
 from toonkit.illustration.mixed_pixels import REACH
 from toonkit.illustration.ramps import Facing, Groups, is_one_ramp, join_tones
@@ -92,13 +92,14 @@ def label_materials(
     told = np.full_like(known, -1)
     if labels is not None:
         told[frame.mask] = labels[frame.mask]
-        lit &= ~_mostly(lit, told)
+        lit = (lit & ~_mostly(lit, told)) | find_named_highlights(tones, told)
         known = np.where(_strays(tones, told), -1, _completed(told, known))
     source = _everywhere(nearest_sources(known >= 0, frame.lab, frame.mask), frame.mask)
     own = np.arange(source.size, dtype=np.int32).reshape(source.shape)
     pure = zones.sources.ravel()[source]
     pure = np.where(pure >= 0, pure, source)
     lit, pure = _under_highlights(lit, pure, source, zones.sources == own, frame)
+    pure = _of_their_material(pure, told, (known >= 0) & ~lit & (zones.sources == own))
     shown = np.where(lit, known.ravel()[pure], known.ravel()[source])
     whole = _without_gaps(np.where(told >= 0, told, np.where(frame.mask, shown, -1)), told.max())
     # Between two tones of one material lies nothing but their own mixture.
@@ -199,6 +200,19 @@ def _under_highlights(
     lit |= ~unmixed & frame.mask & ndimage.maximum_filter(lit, 2 * REACH + 1)
     around = nearest_sources(unmixed & ~lit & frame.mask, frame.lab, lit)
     return lit, np.where(lit & (around >= 0), around, pure)
+
+
+def _of_their_material(sources: Labels, told: Labels, clean: BoolArray) -> Labels:
+    """Give pixels of a material, named by somebody, whose sources lie in another one the nearest clean ones of their own."""
+    elsewhere = (told >= 0) & (told.ravel()[sources] != told)
+    sources = sources.copy()
+    for material in np.unique(told[elsewhere]):
+        own = clean & (told == material)
+        if own.any():
+            rows, columns = ndimage.distance_transform_edt(~own, return_distances=False, return_indices=True)
+            left = elsewhere & (told == material)
+            sources[left] = rows[left] * sources.shape[1] + columns[left]
+    return sources
 
 
 def _numbered(tones: Tones, group: Groups) -> tuple[Labels, BoolArray]:
