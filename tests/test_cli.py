@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 import toonkit
+from tests.pixel_art import sprite
 from toonkit import ColorMap, NormalField, angular_error, load_image, relight
 from toonkit.cli import main
 from toonkit.cli.drawing_work import METHOD_NAMES
@@ -210,6 +211,21 @@ def test_relight_shades_flat_materials_as_much_as_is_asked(analyzed_in_materials
         expected = relight(analysis, (315, 45), flat_shading=share).to_rgba()
         seen = expected[..., 3] > 0
         assert np.abs(np.asarray(found.convert("RGBA")).astype(int) - expected)[seen].max() <= 1
+
+
+def test_pixel_art_keeps_its_palette_until_it_is_told_not_to(tmp_path, capsys):
+    drawing, out = tmp_path / "sprite.png", tmp_path / "out"
+    sprite(32).save(drawing)
+    assert main(["analyze", str(drawing), "--light", "130,45", "-o", str(out)]) == 0
+    assert "pixel art: relight keeps to its colors" in capsys.readouterr().out
+    analysis = load_analysis(out / "analysis.npz")
+    for options, palette in (([], True), (["--no-palette"], False), (["--palette", "--model-only"], True)):
+        relit = tmp_path / "relit.png"
+        assert main(["relight", str(out), "--light", "-30,50", "-o", str(relit), *options]) == 0
+        model = "--model-only" in options
+        expected = relight(analysis, NEW_LIGHT, palette=palette, keep_detail=not model)
+        with Image.open(relit) as found:
+            assert np.array_equal(np.asarray(found), expected.to_rgba())
 
 
 def test_quiet_says_nothing(drawing, tmp_path, capsys):

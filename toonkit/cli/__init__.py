@@ -177,6 +177,11 @@ def _parser() -> argparse.ArgumentParser:
         help="how much materials painted in one tone answer to the light: 0 leaves them as drawn, 1 (default) shades "
         "them as the drawing shades the others",
     )
+    relight.add_argument(
+        "--palette",
+        action=argparse.BooleanOptionalAction,
+        help="paint with the drawing's own colors only, or with any; by default, pixel art keeps its palette",
+    )
     relight.add_argument("--quiet", action="store_true", help="no progress bar and no summary")
     relight.set_defaults(run=_relight)
 
@@ -224,6 +229,7 @@ def _analyze(arguments: argparse.Namespace) -> int:
 
 def _summarize(analysis: ToonAnalysis, drawing: str, seconds: float) -> None:
     from toonkit.export.report import ink_share  # noqa: PLC0415
+    from toonkit.relighting import Paint  # noqa: PLC0415
 
     estimate, materials = analysis.light_estimate, analysis.materials
     print(f"{drawing}: {int(analysis.image.mask.sum()):,} pixels analyzed in {seconds:.1f} s")
@@ -239,6 +245,8 @@ def _summarize(analysis: ToonAnalysis, drawing: str, seconds: float) -> None:
         print(f"materials: {materials.count}, {flat or 'none'} of them flat")
     if (share := ink_share(analysis.drawing)) > 0:
         print(f"line art: {100 * share:.1f} % of the drawing, which stays as drawn")
+    if Paint.of(analysis, None, keep_detail=True).palette is not None:
+        print("pixel art: relight keeps to its colors, unless you add --no-palette")
 
 
 def _check_outputs(arguments: argparse.Namespace) -> None:
@@ -275,6 +283,7 @@ def _relight(arguments: argparse.Namespace) -> int:
     options: dict[str, Any] = {
         "keep_detail": not arguments.model_only,
         "flat_shading": arguments.flat_shading,
+        "palette": arguments.palette,
     }
     if light is not None and arguments.out is not None:
         write_picture(relight(analysis, light, **options), arguments.out)
