@@ -9,12 +9,14 @@ from PIL import Image
 from tests.analytic import LIGHT as BALL_LIGHT
 from tests.analytic import SOFT, ellipse, painted
 from tests.pixel_art import BUTTON, GLINT, LIGHT, OUTLINE, PALETTE, RAMPS, sprite
-from toonkit import ToonImage, ToonkitError, analyze, load_analysis, relight
+from toonkit import ColorMap, ToonImage, ToonkitError, analyze, load_analysis, relight
 from toonkit.estimation.preparation import prepare
 from toonkit.export.animation import write_orbit
 from toonkit.export.layers import split_layers
 from toonkit.illustration.palette import FEW_COLORS
 from toonkit.relighting import relight_pixels
+
+TWO_TONE_STEP = ColorMap([[0.35, 0.2, 0.45]] * 90_000 + [[0.95, 0.8, 0.6]] * 60_000)
 
 LIGHTS = [(30, 40), (-60, 30), (180, 10), (0, 90), (60, -20)]
 
@@ -120,7 +122,7 @@ def test_an_orbit_keeps_the_palette_in_every_frame(large, tmp_path, name):
 
 @pytest.mark.parametrize("size", [9, 16, 120])
 def test_a_drawing_of_few_colors_is_recognized(size):
-    assert prepare(sprite(size)).has_few_colors
+    assert prepare(sprite(size)).is_pixel_art
 
 
 @pytest.mark.parametrize("size", [12, 24, 48])
@@ -130,12 +132,18 @@ def test_an_antialiased_drawing_is_not_taken_for_pixel_art(size):
     alpha = fine.mask.reshape(blocks).mean(axis=(1, 3))
     sums = np.nan_to_num(fine.color).reshape(*blocks, 3).mean(axis=(1, 3))
     color = np.round(255 * sums / np.maximum(alpha, 1e-9)[..., None]) / 255
-    assert not prepare(ToonImage(color, alpha >= 0.5, alpha=alpha, fringe=color)).has_few_colors
+    assert not prepare(ToonImage(color, alpha >= 0.5, alpha=alpha, fringe=color)).is_pixel_art
+
+
+def test_clip_art_in_large_areas_is_not_taken_for_pixel_art():
+    small, large = (prepare(painted(ellipse(size, size).normals, TWO_TONE_STEP)) for size in (30, 80))
+    assert small.is_pixel_art
+    assert not large.is_pixel_art
 
 
 def test_a_gradient_is_not_taken_for_pixel_art():
     drawing = prepare(painted(ellipse(60, 50).normals, SOFT))
-    assert not drawing.has_few_colors
+    assert not drawing.is_pixel_art
     with pytest.raises(ToonkitError, match="palette must be False for a drawing with more than 256 colors"):
         relight(analyze(drawing.image, BALL_LIGHT, method="lumo"), (30, 40), palette=True)
 
@@ -143,9 +151,9 @@ def test_a_gradient_is_not_taken_for_pixel_art():
 def test_a_drawing_of_few_colors_that_are_soft_at_the_outline_in_many_steps_is_antialiased(large):
     image = large.image
     alpha = np.where(image.mask, np.linspace(0.5, 1.0, image.mask.size).reshape(image.shape), 0.0)
-    assert not prepare(ToonImage(image.color, image.mask, alpha=alpha)).has_few_colors
+    assert not prepare(ToonImage(image.color, image.mask, alpha=alpha)).is_pixel_art
     levels = np.round(4 * alpha) / 4
-    assert prepare(ToonImage(image.color, image.mask, alpha=levels)).has_few_colors
+    assert prepare(ToonImage(image.color, image.mask, alpha=levels)).is_pixel_art
     assert len(np.unique(alpha)) > FEW_COLORS
 
 

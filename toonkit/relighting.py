@@ -163,7 +163,7 @@ class Paint:
         drawing, found = analysis.drawing, None
         if palette is not None:
             check_flag("palette", palette)
-        if palette or (palette is None and keep_detail and drawing.has_few_colors):
+        if palette or (palette is None and keep_detail and drawing.is_pixel_art):
             found = analysis.palette
         if found is None and palette:
             rule = f"must be False for a drawing with more than {MOST_COLORS} colors in a material"

@@ -36,7 +36,7 @@ SET = """([light, detail, flat]) => {
 def ball(request):
     analysis = request.getfixturevalue(request.param)
     if request.param == "pixel_sprite":
-        assert analysis.drawing.has_few_colors
+        assert analysis.drawing.is_pixel_art
         assert analysis.drawing.mixed.highlit.any()
         return analysis
     assert analysis.drawing.ink.coverage.any() == (request.param != "ball")
@@ -112,7 +112,7 @@ def test_flat_materials_answer_to_the_light_as_far_as_they_are_asked_to(shader, 
     wanted = relight(ball, light, flat_shading=0.4).to_rgba()
     assert_shown(shader, wanted)
     other = relight(ball, light, flat_shading=1.0).to_rgba()
-    answering = ball.materials.flat.any() and not ball.drawing.has_few_colors
+    answering = ball.materials.flat.any() and not ball.drawing.is_pixel_art
     assert (other != wanted).any() == answering
 
 

@@ -22,6 +22,7 @@ from toonkit.model.luminance import luminance, tone
 from toonkit.model.materials import Materials
 from toonkit.model.oklab import srgb_to_oklab
 from toonkit.numerics.compiled import njit
+from toonkit.numerics.masked_grid import bounding_box
 
 Counts = NDArray[np.intp]
 
@@ -32,6 +33,13 @@ FEWEST_PIXELS, MOST_SCATTERED = 4.0, 0.5
 """Pixels for each color at least, in the mean, and share of scattered colors at most: those of which most pixels have no
 neighbor of the same color. An anti-aliased picture that is tiny or has few edges has few colors, too, but most of them are
 mixtures, which scatter along its edges."""
+
+SAME = 1e-6
+"""Difference in each channel below which colors are one: those of a file are equal, those that were computed nearly."""
+
+SMALL, DETAILED = 100, 0.1
+"""Pixels across an object up to which its pixels are seen, and share of pixels beside another color from which they are seen
+in a larger one, too. Large areas in few colors are clip art, whose flat parts should rather take shadows of their own."""
 
 MOST_COLORS = 256
 """Colors that a palette may have where somebody asks for one, as in an indexed picture."""
@@ -51,7 +59,7 @@ class Palette:
     Attributes
     ----------
     ramps : tuple of ndarray, shape (k, 3)
-        For each material the colors it is painted with, sRGB as in the drawing to the last bit, darkest first. That of a
+        For each material the colors it is painted with, sRGB as in the drawing, darkest first. That of a
         flat material also has the color of the drawing that could best be its shadow, if there is one.
     materials : Materials
         The materials, with color maps of flat ones that end in that shadow, or in none.
@@ -70,14 +78,16 @@ class Palette:
         return np.concatenate(self.ramps), np.cumsum([0, *(len(ramp) for ramp in self.ramps)])
 
 
-def has_few_colors(image: ToonImage) -> bool:
-    """Tell whether a drawing is pixel art: of few colors, without anti-aliasing."""
-    _, areas, alone = _distinct(image.color, image.alpha, image.mask, FEW_COLORS)
+def is_pixel_art(image: ToonImage) -> bool:
+    """Tell whether a drawing is pixel art: of few colors, without anti-aliasing, and small or full of details."""
+    _, areas, alone, edges = _distinct(image.color, image.alpha, image.mask, FEW_COLORS)
     fringe = image.fringe_colors[None], image.alpha[image.fringe_places][None]
-    _, beside, _ = _distinct(*fringe, np.ones(fringe[1].shape, np.bool_), FEW_COLORS)
+    _, beside, _, _ = _distinct(*fringe, np.ones(fringe[1].shape, np.bool_), FEW_COLORS)
     count, pixels = len(areas) + len(beside), int(areas.sum() + beside.sum())
-    few = count <= min(FEW_COLORS, pixels / FEWEST_PIXELS)
-    return bool(few and (2 * alone > areas).mean() <= MOST_SCATTERED)
+    if count > min(FEW_COLORS, pixels / FEWEST_PIXELS) or (2 * alone > areas).mean() > MOST_SCATTERED:
+        return False
+    across = max(span.stop - span.start for span in bounding_box(image.mask))
+    return across <= SMALL or bool(edges.sum() >= DETAILED * areas.sum())
 
 
 def find_palette(image: ToonImage, materials: Materials) -> Palette | None:
@@ -97,7 +107,7 @@ def find_palette(image: ToonImage, materials: Materials) -> Palette | None:
         None if the drawing has more than `MOST_COLORS` colors in one material.
     """
     most = MOST_COLORS * materials.count
-    found, _, _ = _distinct(image.color, materials.labels, image.mask, most)
+    found, *_ = _distinct(image.color, materials.labels, image.mask, most)
     if len(found) > most:
         return None
     ramps = [_ramp(found[found[:, 3] == number, :3], materials, number) for number in range(materials.count)]
@@ -194,9 +204,9 @@ def _round(wanted, drawn, which, ramps, starts, own, rounded):  # type: ignore[n
         listed = False
         for k in range(starts[which[pixel]], starts[which[pixel] + 1]):
             listed |= (
-                ramps[k, 0] == drawn[pixel, 0]
-                and ramps[k, 1] == drawn[pixel, 1]
-                and ramps[k, 2] == drawn[pixel, 2]
+                abs(ramps[k, 0] - drawn[pixel, 0]) < SAME
+                and abs(ramps[k, 1] - drawn[pixel, 1]) < SAME
+                and abs(ramps[k, 2] - drawn[pixel, 2]) < SAME
             )
             off = (
                 (wanted[pixel, 0] - ramps[k, 0]) ** 2
@@ -217,20 +227,21 @@ def _round(wanted, drawn, which, ramps, starts, own, rounded):  # type: ignore[n
 
 def _distinct(
     color: FloatArray, beside: NDArray[Any], mask: BoolArray, most: int
-) -> tuple[FloatArray, Counts, Counts]:
+) -> tuple[FloatArray, Counts, Counts, Counts]:
     """
     List the colors of pixels together with a number that each has beside its color.
 
     Returns the distinct ones (n, 4), in the order of their first pixels, how many pixels have each, and how many of these
-    have no neighbor with the same. Stops as soon as there are more than `most`.
+    have no neighbor with the same, and one with another. Stops as soon as there are more than `most`.
     """
-    found, areas = np.empty((most + 1, 4)), np.zeros((2, most + 1), np.intp)
-    count = _list(color, beside, mask, found, *areas)
-    return found[:count], areas[0, :count], areas[1, :count]
+    found, counts = np.empty((most + 1, 4)), np.zeros((3, most + 1), np.intp)
+    count = _list(color, beside, mask, found, *counts)
+    areas, alone, edges = counts[:, :count]
+    return found[:count], areas, alone, edges
 
 
 @njit(cache=True, nogil=True)
-def _list(color, beside, mask, found, areas, alone):  # type: ignore[no-untyped-def]
+def _list(color, beside, mask, found, areas, alone, edges):  # type: ignore[no-untyped-def]
     height, width = mask.shape
     count, last = 0, 0
     for row in range(height):
@@ -242,10 +253,10 @@ def _list(color, beside, mask, found, areas, alone):  # type: ignore[no-untyped-
             for step in range(count):
                 place = (last + step) % count  # neighbors are mostly alike
                 if (
-                    found[place, 0] == red
-                    and found[place, 1] == green
-                    and found[place, 2] == blue
-                    and found[place, 3] == number
+                    abs(found[place, 0] - red) < SAME
+                    and abs(found[place, 1] - green) < SAME
+                    and abs(found[place, 2] - blue) < SAME
+                    and abs(found[place, 3] - number) < SAME
                 ):
                     break
             else:
@@ -254,20 +265,20 @@ def _list(color, beside, mask, found, areas, alone):  # type: ignore[no-untyped-
                 count += 1
             last = place
             areas[place] += 1
-            alone[place] += 1
+            same, other = False, False
             for down, along in ((0, -1), (0, 1), (-1, 0), (1, 0)):
                 r, c = row + down, column + along
-                if (
-                    0 <= r < height
-                    and 0 <= c < width
-                    and mask[r, c]
-                    and color[r, c, 0] == red
-                    and color[r, c, 1] == green
-                    and color[r, c, 2] == blue
-                    and beside[r, c] == number
-                ):
-                    alone[place] -= 1
-                    break
+                if 0 <= r < height and 0 <= c < width and mask[r, c]:
+                    alike = (
+                        abs(color[r, c, 0] - red) < SAME
+                        and abs(color[r, c, 1] - green) < SAME
+                        and abs(color[r, c, 2] - blue) < SAME
+                        and abs(beside[r, c] - number) < SAME
+                    )
+                    same |= alike
+                    other |= not alike
+            alone[place] += not same
+            edges[place] += other
             if count == len(found):
                 return count
     return count

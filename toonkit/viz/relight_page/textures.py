@@ -107,7 +107,7 @@ def encode_textures(analysis: ToonAnalysis, *, keep_detail: bool = True) -> Reli
         height=height,
         color=analysis.image.to_rgba().tobytes(),
         normals=_project(analysis.normals)
-        .astype("<f4" if analysis.drawing.has_few_colors else "<f2")
+        .astype("<f4" if analysis.drawing.is_pixel_art else "<f2")
         .tobytes(),
         parts=parts.astype("<u4").tobytes(),
         mixtures=mixtures.astype("<u4").tobytes(),

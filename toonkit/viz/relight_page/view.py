@@ -96,7 +96,7 @@ class RelightView(pn.custom.JSComponent):
     @param.depends("keep_detail", watch=True)
     def _take_palette(self) -> None:
         """Give pixel art other textures with and without its palette."""
-        if self._analysis is not None and self._analysis.drawing.has_few_colors:
+        if self._analysis is not None and self._analysis.drawing.is_pixel_art:
             textures = asdict(encode_textures(self._analysis, keep_detail=self.keep_detail))
             self.param.update({name: textures[name] for name in TEXTURES})
 
