@@ -105,6 +105,8 @@ ONE_ARGUMENT: dict[str, Callable[[object], object]] = {
     "relight": lambda odd: toonkit.relight(odd, LIGHT),
     "relight light": lambda odd: toonkit.relight(ANALYSIS, odd),
     "relight detail": lambda odd: toonkit.relight(ANALYSIS, LIGHT, keep_detail=odd),
+    "relight color": lambda odd: toonkit.relight(ANALYSIS, LIGHT, light_color=odd),
+    "relight ambient": lambda odd: toonkit.relight(ANALYSIS, LIGHT, ambient=[odd]),
     "relight palette": lambda odd: toonkit.relight(ANALYSIS, LIGHT, palette=[odd]),
     "relight flat": lambda odd: toonkit.relight(ANALYSIS, LIGHT, flat_shading=[odd]),
     "relight_response": lambda odd: toonkit.relight_response(PICTURE, PICTURE, odd, PICTURE),

@@ -228,6 +228,24 @@ def test_pixel_art_keeps_its_palette_until_it_is_told_not_to(tmp_path, capsys):
             assert np.array_equal(np.asarray(found), expected.to_rgba())
 
 
+def test_relight_takes_a_light_color_and_ambient_light(analyzed, tmp_path):
+    relit, orbit = tmp_path / "relit.png", tmp_path / "orbit.png"
+    options = ["--light-color", "#FF8040", "--ambient", "0.3"]
+    assert main(["relight", str(analyzed), "--light", "-30,50", "-o", str(relit), *options]) == 0
+    assert main(["relight", str(analyzed), "--orbit", str(orbit), "--frames", "2", *options]) == 0
+    analysis = load_analysis(analyzed / "analysis.npz")
+    color = (1.0, 128 / 255, 64 / 255)
+    expected = relight(analysis, NEW_LIGHT, light_color=color, ambient=0.3).to_rgba()
+    assert not np.array_equal(expected, relight(analysis, NEW_LIGHT).to_rgba())
+    with Image.open(relit) as found:
+        assert np.array_equal(np.asarray(found), expected)
+    with Image.open(orbit) as found:
+        frame = np.asarray(found.convert("RGBA")).astype(int)
+    expected = relight(analysis, analysis.light, light_color=color, ambient=0.3).to_rgba()
+    seen = expected[..., 3] > 0
+    assert np.abs(frame - expected)[seen].max() <= 1
+
+
 def test_quiet_says_nothing(drawing, tmp_path, capsys):
     assert main(["analyze", str(drawing), "--light", "135,45", "-o", str(tmp_path), "--quiet"]) == 0
     assert capsys.readouterr() == ("", "")
@@ -391,6 +409,14 @@ def test_help_is_given(arguments, capsys):
         (
             "relight {analyzed} --light 30,50 -o {tmp}/a.png --flat-shading nan",
             "flat_shading must be .* got nan",
+        ),
+        (
+            "relight {analyzed} --light 30,50 -o {tmp}/a.png --light-color red",
+            "--light-color must be #RRGGBB",
+        ),
+        (
+            "relight {analyzed} --light 30,50 -o {tmp}/a.png --ambient 2",
+            "ambient must be a number from 0 to 1",
         ),
         ("relight {analyzed} --orbit {tmp}/a.gif --flat-shading -1", "flat_shading must be .* got -1.0"),
         ("relight {analyzed} --orbit {tmp}/a.gif --flat-shading dark", "invalid float value: 'dark'"),

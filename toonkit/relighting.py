@@ -9,8 +9,9 @@ from typing import TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from toonkit._validation import BoolArray, FloatArray, check_flag, is_number, of_type, refuse
+from toonkit._validation import BoolArray, FloatArray, as_array, check_flag, is_number, of_type, refuse
 from toonkit.analysis import ToonAnalysis
+from toonkit.illustration.light_color import LightColor
 from toonkit.illustration.mixed_pixels import MixedPixels
 from toonkit.illustration.palette import MOST_COLORS, Palette, nearest_in_ramps
 from toonkit.model.image import ToonImage
@@ -38,6 +39,8 @@ class RelightOptions(TypedDict, total=False):
     keep_detail: bool
     flat_shading: float
     palette: bool | None
+    light_color: ArrayLike
+    ambient: float
 
 
 def relight(
@@ -47,6 +50,8 @@ def relight(
     keep_detail: bool = True,
     flat_shading: float = 1.0,
     palette: bool | None = None,
+    light_color: ArrayLike = (1.0, 1.0, 1.0),
+    ambient: float = 0.0,
 ) -> ToonImage:
     """
     Put an analyzed picture under a new light.
@@ -65,8 +70,13 @@ def relight(
         How much materials that are painted in one tone answer to the light, 0 (they stay flat) to 1.
     palette : bool, optional
         True paints with the drawing's own colors only, each pixel with those of its material; False with any. By default
-        it is True for pixel art, a drawing of few colors without anti-aliasing, unless it is flat throughout or the model
+        it is True for pixel art (see `toonkit.illustration.palette.is_pixel_art`), unless it is flat throughout or the model
         is painted alone.
+    light_color : array_like, shape (3,), optional
+        Color of the new light, sRGB in [0, 1]; white by default. It tints what is lit, also at the light of the drawing.
+        Shadows and line art keep their colors.
+    ambient : float, optional
+        How much light comes from all sides, 0 to 1: at 0 shadows are as the drawing paints them, at 1 there are none.
 
     Returns
     -------
@@ -77,7 +87,8 @@ def relight(
     ------
     ToonkitError
         If the new light is zero or not finite, the analysis is none, `keep_detail` is neither True nor False, the flat
-        shading leaves [0, 1], or a palette is asked for where a material has more than 256 colors.
+        shading, the light's color or the ambient light leaves [0, 1], or a palette is asked for where a material has more
+        than 256 colors.
 
     Notes
     -----
@@ -100,6 +111,14 @@ def relight(
     have, stays as drawn. The ramp of a flat material has a second color if the drawing has one that could be its shadow;
     else it does not answer to the light.
 
+    Ambient light a and a light of color λ act in linear light, on each channel: with the first and the last color of M as
+    shadow s and lit tone t,
+
+        c'' = e - (1 - λ) max(e - s, 0),    e = c' + a max(t - c', 0).
+
+    So what the light adds to the shadow takes its color, the paint's highlights and texture included, and white without
+    ambient light leaves c' as it is. With a palette e is rounded to it, and then tinted.
+
     A light behind the picture follows the same rule. Visible normals have N_z >= 0, so with L_z < 0 what faces the viewer
     has a negative illumination, which is shadow. Lit is only where the surface turns away toward the light, L · N > 0: a
     rim light, the narrower the farther behind the light stands. Straight from behind L · N = -N_z, and nothing is lit.
@@ -109,12 +128,14 @@ def relight(
     if not is_number(flat_shading) or not 0 <= flat_shading <= 1:
         raise refuse("flat_shading", "must be a number from 0 to 1", flat_shading)
     check_flag("keep_detail", keep_detail)
-    image, drawing, paint = (
-        analysis.image,
-        analysis.drawing,
-        Paint.of(analysis, palette, keep_detail=keep_detail),
-    )
-    mixed, labels = paint.mixed, analysis.materials.labels
+    shine = as_array("light_color", light_color, (3,))
+    if not ((shine >= 0) & (shine <= 1)).all():
+        raise refuse("light_color", "must be sRGB in [0, 1]", shine.tolist())
+    if not is_number(ambient) or not 0 <= ambient <= 1:
+        raise refuse("ambient", "must be a number from 0 to 1", ambient)
+    image, drawing, labels = analysis.image, analysis.drawing, analysis.materials.labels
+    paint = Paint.of(analysis, palette, keep_detail=keep_detail)
+    mixed = paint.mixed
     strength = flat_shading * (turn_share(analysis.light, light) if keep_detail else 1.0)
     color = np.empty_like(image.color)
     before = np.cumsum(np.count_nonzero(image.mask, axis=1)) - np.count_nonzero(image.mask, axis=1)
@@ -122,10 +143,13 @@ def relight(
         _paint, labels, before, analysis.normals.compact, image.color, analysis.light, light,
         *_stacked(paint.materials), float(strength), bool(keep_detail), color,
     )  # fmt: skip
+    glow = LightColor.of(shine, float(ambient), analysis.materials.color_maps)
+    glow.filled(color, labels)
     sources = drawing.places(mixed.sources)
     place = drawing.places(mixed.pixels)
     left = highlights_left(analysis.normals.compact[mixed.pixels] @ (light - analysis.light))
-    color[place] = mixed.over(image.color[sources], color[sources], left)
+    shown, beneath = image.color[sources], color[sources]
+    color[place] = mixed.over(shown, beneath, left)
     if paint.palette is not None:
         inside = image.mask
         color[inside] = paint.rounded(
@@ -135,6 +159,13 @@ def relight(
     if keep_detail:
         fringe = np.clip(fringe + image.fringe_colors - image.color[image.fringe_sources], 0.0, 1.0)
         fringe = paint.rounded(fringe, image.fringe_colors, labels[image.fringe_sources])
+    if not glow.is_white:
+        untinted = color[image.fringe_sources]
+        glow.tinted(color, labels)
+        glow.tinted(beneath, labels[sources])
+        mixture = mixed.over(shown, beneath, left)
+        color[place] = np.where(mixed.highlit[:, None], color[place], mixture)
+        fringe = np.clip(fringe + color[image.fringe_sources] - untinted, 0.0, 1.0)
     return ToonImage.like(image, color, fringe)
 
 

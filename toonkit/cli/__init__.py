@@ -17,7 +17,7 @@ from toonkit._validation import ToonkitError, ToonkitWarning, expand_home, refus
 from toonkit.cli.batch import add_batch_command
 from toonkit.cli.dashboard import add_dashboard_command
 from toonkit.cli.drawing_work import DrawingWork, add_work_options, analyze_drawing
-from toonkit.cli.lights import parse_light
+from toonkit.cli.lights import parse_color, parse_light
 from toonkit.cli.progress import StepBar, show_warning
 from toonkit.cli.streams import complain, discard_output, prepare_streams
 from toonkit.cli.study import add_study_commands
@@ -178,6 +178,16 @@ def _parser() -> argparse.ArgumentParser:
         "them as the drawing shades the others",
     )
     relight.add_argument(
+        "--light-color", default="#ffffff", metavar="#RRGGBB", help="color of the new light (default: white)"
+    )
+    relight.add_argument(
+        "--ambient",
+        type=float,
+        default=0.0,
+        metavar="A",
+        help="how much light comes from all sides: 0 (default) leaves shadows as the drawing paints them, 1 leaves none",
+    )
+    relight.add_argument(
         "--palette",
         action=argparse.BooleanOptionalAction,
         help="paint with the drawing's own colors only, or with any; by default, pixel art keeps its palette",
@@ -284,6 +294,8 @@ def _relight(arguments: argparse.Namespace) -> int:
         "keep_detail": not arguments.model_only,
         "flat_shading": arguments.flat_shading,
         "palette": arguments.palette,
+        "light_color": parse_color(arguments.light_color),
+        "ambient": arguments.ambient,
     }
     if light is not None and arguments.out is not None:
         write_picture(relight(analysis, light, **options), arguments.out)

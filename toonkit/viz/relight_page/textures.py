@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
 from toonkit.analysis import ToonAnalysis
+from toonkit.illustration.light_color import LightColor
 from toonkit.illustration.mixed_pixels import MixedPixels
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import eight_bit, nearest_object_pixel
@@ -64,7 +65,8 @@ class RelightTextures:
         RGBA32F, one row for each material: the illumination of the first and last sample of M, the number of the last
         sample, and 1 if it is flat, else 0; then its color as a whole, and the number of colors in its ramp.
     ramps : bytes
-        RGBA32F, one row for each material: the colors of its ramp, followed by zeros. Without a palette a row has one zero.
+        RGBA32F, one row for each material: its shadow and its lit tone in linear light, and the colors of its ramp, if
+        there is a palette, followed by zeros.
     analyzed_light : (float, float)
         Azimuth and elevation, in degrees, of the light the picture was analyzed under.
     """
@@ -102,6 +104,7 @@ def encode_textures(analysis: ToonAnalysis, *, keep_detail: bool = True) -> Reli
     maps = [_sent(color_map) for color_map in paint.materials.color_maps]
     parts, mixtures = _parts(analysis, paint.mixed)
     ramps = _ramps(paint)
+    glow = LightColor.of(np.ones(3), 0.0, analysis.materials.color_maps)
     return RelightTextures(
         width=width,
         height=height,
@@ -113,7 +116,14 @@ def encode_textures(analysis: ToonAnalysis, *, keep_detail: bool = True) -> Reli
         mixtures=mixtures.astype("<u4").tobytes(),
         color_maps=_stack([color_map.colors for color_map in maps]).astype("<f4").tobytes(),
         materials=_describe(paint.materials, maps, ramps).astype("<f4").tobytes(),
-        ramps=_stack(ramps).astype("<f4").tobytes(),
+        ramps=_stack(
+            [
+                np.concatenate([*ends, ramp])
+                for *ends, ramp in zip(glow.shadows[:, None], glow.lit_tones[:, None], ramps, strict=True)
+            ]
+        )
+        .astype("<f4")
+        .tobytes(),
         analyzed_light=light_angles(analysis.light),
     )
 
@@ -153,8 +163,8 @@ def _ramps(paint: Paint) -> list[FloatArray]:
 
 
 def _stack(rows: list[FloatArray]) -> FloatArray:
-    """Return colors (k, 3) of each material as RGBA, shape (count, K, 4); K >= 1."""
-    samples = np.zeros((len(rows), max(1, *(len(colors) for colors in rows)), 4))
+    """Return colors (k, 3) of each material as RGBA, shape (count, K, 4)."""
+    samples = np.zeros((len(rows), max(len(colors) for colors in rows), 4))
     for row, colors in zip(samples, rows, strict=True):
         row[: len(colors), :3] = colors
     return samples

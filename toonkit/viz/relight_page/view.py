@@ -19,6 +19,7 @@ from PIL import Image
 
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.light import light_direction
+from toonkit.model.luminance import color_of_hex
 from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, FULL_TURN, HIGHLIGHT_RANGE, relight
 from toonkit.viz.relight_page.textures import encode_textures
 
@@ -47,6 +48,8 @@ class RelightView(pn.custom.JSComponent):
     )
     keep_detail = param.Boolean(True, doc="Keep what the artist painted on top of the color map.")
     flat_shading = param.Number(1.0, bounds=(0, 1), doc="How much materials in one tone answer to the light.")
+    light_color = param.Color("#ffffff", allow_named=False, doc="Color of the new light.")
+    ambient = param.Number(0.0, bounds=(0, 1), doc="How much light comes from all sides.")
     step = param.String("", doc='What is being computed; "" when idle.')
     fraction = param.Number(0.0, bounds=(0, 1), doc="How much of it is done.")
 
@@ -100,7 +103,7 @@ class RelightView(pn.custom.JSComponent):
             textures = asdict(encode_textures(self._analysis, keep_detail=self.keep_detail))
             self.param.update({name: textures[name] for name in TEXTURES})
 
-    @param.depends("webgl", "new_light", "keep_detail", "flat_shading", watch=True)
+    @param.depends("webgl", "new_light", "keep_detail", "flat_shading", "light_color", "ambient", watch=True)
     def _paint(self) -> None:
         """Paint in Python what a browser without WebGL2 cannot."""
         analysis = self._analysis
@@ -111,6 +114,8 @@ class RelightView(pn.custom.JSComponent):
             light_direction(*self.new_light),
             keep_detail=self.keep_detail,
             flat_shading=self.flat_shading,
+            light_color=color_of_hex(self.light_color),
+            ambient=self.ambient,
         )
         self.fallback_picture = _png(relit.to_rgba())
 
