@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 import toonkit
+from tests.pixel_art import sprite
 from toonkit import ColorMap, NormalField, angular_error, load_image, relight
 from toonkit.cli import main
 from toonkit.cli.drawing_work import METHOD_NAMES
@@ -212,6 +213,39 @@ def test_relight_shades_flat_materials_as_much_as_is_asked(analyzed_in_materials
         assert np.abs(np.asarray(found.convert("RGBA")).astype(int) - expected)[seen].max() <= 1
 
 
+def test_pixel_art_keeps_its_palette_until_it_is_told_not_to(tmp_path, capsys):
+    drawing, out = tmp_path / "sprite.png", tmp_path / "out"
+    sprite(32).save(drawing)
+    assert main(["analyze", str(drawing), "--light", "130,45", "-o", str(out)]) == 0
+    assert "pixel art: relight keeps to its colors" in capsys.readouterr().out
+    analysis = load_analysis(out / "analysis.npz")
+    for options, palette in (([], True), (["--no-palette"], False), (["--palette", "--model-only"], True)):
+        relit = tmp_path / "relit.png"
+        assert main(["relight", str(out), "--light", "-30,50", "-o", str(relit), *options]) == 0
+        model = "--model-only" in options
+        expected = relight(analysis, NEW_LIGHT, palette=palette, keep_detail=not model)
+        with Image.open(relit) as found:
+            assert np.array_equal(np.asarray(found), expected.to_rgba())
+
+
+def test_relight_takes_a_light_color_and_ambient_light(analyzed, tmp_path):
+    relit, orbit = tmp_path / "relit.png", tmp_path / "orbit.png"
+    options = ["--light-color", "#FF8040", "--ambient", "0.3"]
+    assert main(["relight", str(analyzed), "--light", "-30,50", "-o", str(relit), *options]) == 0
+    assert main(["relight", str(analyzed), "--orbit", str(orbit), "--frames", "2", *options]) == 0
+    analysis = load_analysis(analyzed / "analysis.npz")
+    color = (1.0, 128 / 255, 64 / 255)
+    expected = relight(analysis, NEW_LIGHT, light_color=color, ambient=0.3).to_rgba()
+    assert not np.array_equal(expected, relight(analysis, NEW_LIGHT).to_rgba())
+    with Image.open(relit) as found:
+        assert np.array_equal(np.asarray(found), expected)
+    with Image.open(orbit) as found:
+        frame = np.asarray(found.convert("RGBA")).astype(int)
+    expected = relight(analysis, analysis.light, light_color=color, ambient=0.3).to_rgba()
+    seen = expected[..., 3] > 0
+    assert np.abs(frame - expected)[seen].max() <= 1
+
+
 def test_quiet_says_nothing(drawing, tmp_path, capsys):
     assert main(["analyze", str(drawing), "--light", "135,45", "-o", str(tmp_path), "--quiet"]) == 0
     assert capsys.readouterr() == ("", "")
@@ -375,6 +409,14 @@ def test_help_is_given(arguments, capsys):
         (
             "relight {analyzed} --light 30,50 -o {tmp}/a.png --flat-shading nan",
             "flat_shading must be .* got nan",
+        ),
+        (
+            "relight {analyzed} --light 30,50 -o {tmp}/a.png --light-color red",
+            "--light-color must be #RRGGBB",
+        ),
+        (
+            "relight {analyzed} --light 30,50 -o {tmp}/a.png --ambient 2",
+            "ambient must be a number from 0 to 1",
         ),
         ("relight {analyzed} --orbit {tmp}/a.gif --flat-shading -1", "flat_shading must be .* got -1.0"),
         ("relight {analyzed} --orbit {tmp}/a.gif --flat-shading dark", "invalid float value: 'dark'"),

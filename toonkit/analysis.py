@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from os import PathLike
 from typing import Literal
 
@@ -13,6 +14,7 @@ from toonkit._validation import FloatArray, check_unit_light, of_type, refuse, s
 from toonkit.estimation.color_map_fit import allowed_intervals
 from toonkit.estimation.light_fit import LightEstimate
 from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.illustration.palette import Palette, find_palette
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.description import describe_object
 from toonkit.model.image import ToonImage
@@ -159,6 +161,11 @@ class ToonAnalysis:
             size = np.einsum("pc,pc->p", detail, detail) / TEXTURE**2
             paint[own] = lit + np.maximum(1.0 - size, 0.0)[:, None] * detail
         return self._composed(np.clip(paint, 0.0, 1.0, out=paint), highlights=0.0)
+
+    @cached_property
+    def palette(self) -> Palette | None:
+        """The drawing's own colors, as a ramp for each material; None if there are too many for a palette."""
+        return find_palette(self.image, self.materials)
 
     def intervals(self) -> IlluminationInterval:
         """Range of illumination that each pixel's painted color allows, (H, W) bounds, NaN outside the mask."""

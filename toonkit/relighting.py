@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from toonkit._validation import BoolArray, FloatArray, check_flag, is_number, of_type, refuse
+from toonkit._validation import BoolArray, FloatArray, as_array, check_flag, is_number, of_type, refuse
 from toonkit.analysis import ToonAnalysis
+from toonkit.illustration.light_color import LightColor
+from toonkit.illustration.mixed_pixels import MixedPixels
+from toonkit.illustration.palette import MOST_COLORS, Palette, nearest_in_ramps
 from toonkit.model.image import ToonImage
 from toonkit.model.light import direction_of
 from toonkit.model.materials import Materials
@@ -28,12 +33,25 @@ FULL_TURN = np.deg2rad(12.0)
 """Turn of the light from which on flat materials show all of their derived shading."""
 
 
+class RelightOptions(TypedDict, total=False):
+    """What functions that relight pass on to `relight`, which describes it."""
+
+    keep_detail: bool
+    flat_shading: float
+    palette: bool | None
+    light_color: ArrayLike
+    ambient: float
+
+
 def relight(
     analysis: ToonAnalysis,
     new_light: ArrayLike,
     *,
     keep_detail: bool = True,
     flat_shading: float = 1.0,
+    palette: bool | None = None,
+    light_color: ArrayLike = (1.0, 1.0, 1.0),
+    ambient: float = 0.0,
 ) -> ToonImage:
     """
     Put an analyzed picture under a new light.
@@ -50,6 +68,15 @@ def relight(
         that at the original light the input returns unchanged. False paints the model alone (Eq. 7).
     flat_shading : float, optional
         How much materials that are painted in one tone answer to the light, 0 (they stay flat) to 1.
+    palette : bool, optional
+        True paints with the drawing's own colors only, each pixel with those of its material; False with any. By default
+        it is True for pixel art (see `toonkit.illustration.palette.is_pixel_art`), unless it is flat throughout or the model
+        is painted alone.
+    light_color : array_like, shape (3,), optional
+        Color of the new light, sRGB in [0, 1]; white by default. It tints what is lit, also at the light of the drawing.
+        Shadows and line art keep their colors.
+    ambient : float, optional
+        How much light comes from all sides, 0 to 1: at 0 shadows are as the drawing paints them, at 1 there are none.
 
     Returns
     -------
@@ -59,8 +86,9 @@ def relight(
     Raises
     ------
     ToonkitError
-        If the new light is zero or not finite, the analysis is none, `keep_detail` is neither True nor False, or the flat
-        shading leaves [0, 1].
+        If the new light is zero or not finite, the analysis is none, `keep_detail` is neither True nor False, the flat
+        shading, the light's color or the ambient light leaves [0, 1], or a palette is asked for where a material has more
+        than 256 colors.
 
     Notes
     -----
@@ -78,6 +106,19 @@ def relight(
     drawn: what it covers in part changes for the rest, and so does what two materials share. A highlight moves with the
     paint that it lies on, and fades as w does for a small d, with r = `HIGHLIGHT_RANGE`.
 
+    With a palette each pixel takes the color of its material's ramp that is nearest to c', in sRGB. Its edges are hard, so
+    no pixel is mixed: it is ink, a highlight, or paint. Ink, and what is drawn in a color that its material's ramp does not
+    have, stays as drawn. The ramp of a flat material has a second color if the drawing has one that could be its shadow;
+    else it does not answer to the light.
+
+    Ambient light a and a light of color λ act in linear light, on each channel: with the first and the last color of M as
+    shadow s and lit tone t,
+
+        c'' = e - (1 - λ) max(e - s, 0),    e = c' + a max(t - c', 0).
+
+    So what the light adds to the shadow takes its color, the paint's highlights and texture included, and white without
+    ambient light leaves c' as it is. With a palette e is rounded to it, and then tinted.
+
     A light behind the picture follows the same rule. Visible normals have N_z >= 0, so with L_z < 0 what faces the viewer
     has a negative illumination, which is shadow. Lit is only where the surface turns away toward the light, L · N > 0: a
     rim light, the narrower the farther behind the light stands. Straight from behind L · N = -N_z, and nothing is lit.
@@ -87,23 +128,113 @@ def relight(
     if not is_number(flat_shading) or not 0 <= flat_shading <= 1:
         raise refuse("flat_shading", "must be a number from 0 to 1", flat_shading)
     check_flag("keep_detail", keep_detail)
-    image, drawing, materials = analysis.image, analysis.drawing, analysis.materials
+    shine = as_array("light_color", light_color, (3,))
+    if not ((shine >= 0) & (shine <= 1)).all():
+        raise refuse("light_color", "must be sRGB in [0, 1]", shine.tolist())
+    if not is_number(ambient) or not 0 <= ambient <= 1:
+        raise refuse("ambient", "must be a number from 0 to 1", ambient)
+    image, drawing, labels = analysis.image, analysis.drawing, analysis.materials.labels
+    paint = Paint.of(analysis, palette, keep_detail=keep_detail)
+    mixed = paint.mixed
     strength = flat_shading * (turn_share(analysis.light, light) if keep_detail else 1.0)
     color = np.empty_like(image.color)
     before = np.cumsum(np.count_nonzero(image.mask, axis=1)) - np.count_nonzero(image.mask, axis=1)
     run_in_bands(
-        _paint, materials.labels, before, analysis.normals.compact, image.color, analysis.light, light,
-        *_stacked(materials), float(strength), bool(keep_detail), color,
+        _paint, labels, before, analysis.normals.compact, image.color, analysis.light, light,
+        *_stacked(paint.materials), float(strength), bool(keep_detail), color,
     )  # fmt: skip
-    mixed = drawing.mixed
+    glow = LightColor.of(shine, float(ambient), analysis.materials.color_maps)
+    glow.filled(color, labels)
     sources = drawing.places(mixed.sources)
     place = drawing.places(mixed.pixels)
     left = highlights_left(analysis.normals.compact[mixed.pixels] @ (light - analysis.light))
-    color[place] = mixed.over(image.color[sources], color[sources], left)
+    shown, beneath = image.color[sources], color[sources]
+    color[place] = mixed.over(shown, beneath, left)
+    if paint.palette is not None:
+        inside = image.mask
+        color[inside] = paint.rounded(
+            color[inside], image.color[inside], labels[inside], mixed.pixels[mixed.highlit]
+        )
     fringe = color[image.fringe_sources]
     if keep_detail:
         fringe = np.clip(fringe + image.fringe_colors - image.color[image.fringe_sources], 0.0, 1.0)
+        fringe = paint.rounded(fringe, image.fringe_colors, labels[image.fringe_sources])
+    if not glow.is_white:
+        untinted = color[image.fringe_sources]
+        glow.tinted(color, labels)
+        glow.tinted(beneath, labels[sources])
+        mixture = mixed.over(shown, beneath, left)
+        color[place] = np.where(mixed.highlit[:, None], color[place], mixture)
+        fringe = np.clip(fringe + color[image.fringe_sources] - untinted, 0.0, 1.0)
     return ToonImage.like(image, color, fringe)
+
+
+@dataclass(frozen=True, eq=False)
+class Paint:
+    """
+    What a drawing is painted anew with.
+
+    Attributes
+    ----------
+    materials : Materials
+        Its materials.
+    mixed : MixedPixels
+        The pixels that show more than the paint of their own material.
+    palette : Palette or None
+        The colors that it keeps to, if it does.
+    """
+
+    materials: Materials
+    mixed: MixedPixels
+    palette: Palette | None
+
+    @classmethod
+    def of(cls, analysis: ToonAnalysis, palette: bool | None, *, keep_detail: bool) -> Paint:
+        """Take the paint of an analysis, for options as `relight` has them."""
+        drawing, found = analysis.drawing, None
+        if palette is not None:
+            check_flag("palette", palette)
+        if palette or (palette is None and keep_detail and drawing.is_pixel_art):
+            found = analysis.palette
+        if found is None and palette:
+            rule = f"must be False for a drawing with more than {MOST_COLORS} colors in a material"
+            raise refuse("palette", rule, palette)
+        if found is None or not (palette or found.shades):
+            return cls(analysis.materials, drawing.mixed, None)
+        paint = analysis.image.color[drawing.places(drawing.mixed.sources[:, 0])]
+        return cls(found.materials, drawing.mixed.unmixed(paint), found)
+
+    def rounded(
+        self,
+        color: FloatArray,
+        drawn: FloatArray,
+        labels: NDArray[np.intp],
+        free: NDArray[np.intp] | None = None,
+    ) -> FloatArray:
+        """
+        Round colors to those of the palette.
+
+        Parameters
+        ----------
+        color, drawn : ndarray, shape (n, 3)
+            What pixels are relit to, and what they are drawn in, sRGB.
+        labels : ndarray of int, shape (n,)
+            Their materials.
+        free : ndarray of int, optional
+            Which of them may keep the color they are drawn in, or change, whatever it is; all of them by default.
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+            The colors as they are, where there is no palette.
+        """
+        if self.palette is None:
+            return color
+        if free is None:
+            return nearest_in_ramps(color, drawn, labels, self.palette, own=True)
+        rounded = nearest_in_ramps(color, drawn, labels, self.palette, own=False)
+        rounded[free] = nearest_in_ramps(color[free], drawn[free], labels[free], self.palette, own=True)
+        return rounded
 
 
 def relight_pixels(
@@ -112,6 +243,7 @@ def relight_pixels(
     pixels: NDArray[np.intp],
     *,
     keep_detail: bool = True,
+    palette: bool | None = None,
 ) -> Iterator[FloatArray]:
     """
     Yield the colors that some pixels take under new lights, for pictures that show a drawing reduced.
@@ -126,6 +258,8 @@ def relight_pixels(
         Which of the object's pixels, counted in row-major order.
     keep_detail : bool, optional
         As in `relight`.
+    palette : bool, optional
+        As in `relight`.
 
     Yields
     ------
@@ -133,7 +267,8 @@ def relight_pixels(
         sRGB under each light, to the last bit the colors of `relight`.
     """
     drawing, light = analysis.drawing, analysis.light
-    place, mixed = drawing.mixed.among(pixels)
+    paint = Paint.of(analysis, palette, keep_detail=keep_detail)
+    place, mixed = paint.mixed.among(pixels)
     # Painted as a picture one pixel wide, with the pixels that the mixed ones show.
     every = np.concatenate([pixels, mixed.sources.ravel()])
     at = drawing.places(every)
@@ -144,12 +279,13 @@ def relight_pixels(
         strength = turn_share(light, new_light) if keep_detail else 1.0
         run_in_bands(
             _paint, labels, rows, normals, painted, light, new_light,
-            *_stacked(analysis.materials), float(strength), bool(keep_detail), color,
+            *_stacked(paint.materials), float(strength), bool(keep_detail), color,
         )  # fmt: skip
         left = highlights_left(normals[place] @ (new_light - light))
         before, after = (colors[len(pixels) :].reshape(-1, 2, 3) for colors in (painted, color))
         color[place, 0] = mixed.over(before, after, left)
-        yield color[: len(pixels), 0]
+        own = slice(len(pixels)), 0
+        yield paint.rounded(color[own], painted[own], labels[own], place[mixed.highlit])
 
 
 def highlights_left(change: FloatArray) -> FloatArray:

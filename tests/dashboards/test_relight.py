@@ -202,6 +202,14 @@ def test_flat_shading_is_offered_where_something_is_flat_and_changes_the_picture
     assert until(relight_page, lambda: differ(relit_pixels(relight_page), before) > 0.005)
 
 
+def test_ambient_light_fills_the_shadows_of_the_relit_picture(relight_page):
+    before = relit_pixels(relight_page)
+    relight_page.get_by_role("slider", name="Ambient light").focus()
+    relight_page.keyboard.press("End")
+    assert until(relight_page, lambda: differ(relit_pixels(relight_page), before) > 0.02)
+    assert relit_pixels(relight_page).mean() > before.mean()
+
+
 def test_the_relit_picture_is_downloaded_with_its_transparency(relight_page):
     with relight_page.expect_download() as started:
         relight_page.get_by_text("Relit picture").click()

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import distance_transform_edt
 
+from tests.pixel_art import sprite
 from toonkit import (
     ColorMap,
     Materials,
@@ -95,3 +96,14 @@ def harlequin_ball(size=120, fine=4):
 @pytest.fixture(scope="session")
 def harlequin():
     return harlequin_ball()
+
+
+@pytest.fixture(scope="session")
+def pixel_sprite():
+    """Pixel art, with a highlight, a flat detail and translucent pixels beside it."""
+    image = sprite(48)
+    above = np.roll(image.color, -1, axis=0)
+    beside = ~image.mask & ~np.isnan(above[..., 0])
+    alpha = np.where(image.mask, 1.0, np.where(beside, 128 / 255, 0.0))
+    fringe = np.where(beside[..., None], above, 0.0)
+    return analyze(ToonImage(image.color, image.mask, alpha=alpha, fringe=fringe), light_direction(130, 45))

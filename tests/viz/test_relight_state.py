@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 import toonkit
-from toonkit import ToonkitError
+from toonkit import ToonkitError, relight
 from toonkit.viz.relight_page import state as relight_state
 from toonkit.viz.relight_page.state import RelightState
 
@@ -154,3 +154,10 @@ def test_the_file_is_painted_with_as_much_flat_shading_as_is_asked_for(harlequin
     pure[harlequin.drawing.places(harlequin.drawing.mixed.pixels)] = False
     np.testing.assert_array_equal(state.relit().color[pure], harlequin.image.color[pure])
     assert (shaded.color[pure] != harlequin.image.color[pure]).any()
+
+
+def test_the_file_is_painted_in_the_light_that_is_asked_for(harlequin):
+    state = RelightState(analysis=harlequin, new_light=[-10.0, 35.0], light_color="#ff8000", ambient=0.25)
+    expected = relight(harlequin, (-10, 35), light_color=(1, 128 / 255, 0), ambient=0.25)
+    np.testing.assert_array_equal(state.relit().to_rgba(), expected.to_rgba())
+    assert (expected.to_rgba() != relight(harlequin, (-10, 35)).to_rgba()).any()

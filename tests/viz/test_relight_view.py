@@ -9,6 +9,7 @@ import panel as pn
 import pytest
 
 from toonkit import light_direction, relight
+from toonkit.model.luminance import color_of_hex
 from toonkit.viz.relight_page.view import RelightView
 
 REMEMBER_PIXELS = """
@@ -22,19 +23,26 @@ WebGL2RenderingContext.prototype.drawArrays = function (...call) {
   window.drawn = {width, height, pixels: Array.from(pixels), count: (window.drawn?.count ?? 0) + 1};
 }
 """
-SET = """([light, detail, flat]) => {
+SET = """([light, detail, flat, color, ambient]) => {
   for (const model of Bokeh.documents[0]._all_models.values()) {
     if (model.data?.attributes && "keep_detail" in model.data.attributes) {
       window.drawn.count = 0
-      model.data.setv({new_light: light, keep_detail: detail, flat_shading: flat ?? 1})
+      model.data.setv({
+        new_light: light, keep_detail: detail, flat_shading: flat ?? 1,
+        light_color: color ?? "#ffffff", ambient: ambient ?? 0,
+      })
     }
   }
 }"""
 
 
-@pytest.fixture(scope="module", params=["ball", "inked_ball", "harlequin"])
+@pytest.fixture(scope="module", params=["ball", "inked_ball", "harlequin", "pixel_sprite"])
 def ball(request):
     analysis = request.getfixturevalue(request.param)
+    if request.param == "pixel_sprite":
+        assert analysis.drawing.is_pixel_art
+        assert analysis.drawing.mixed.highlit.any()
+        return analysis
     assert analysis.drawing.ink.coverage.any() == (request.param != "ball")
     several = request.param == "harlequin"
     assert analysis.materials.flat.tolist() == ([False, False, True] if several else [False])
@@ -99,6 +107,19 @@ def test_the_shader_paints_what_relight_paints(shader, ball, angles, keep_detail
 
 
 @pytest.mark.browser
+@pytest.mark.parametrize(("color", "ambient"), [("#f94", 0.0), ("#ffffff", 0.4), ("#4080ff", 0.3)])
+@pytest.mark.parametrize("angles", [(130.0, 45.0), (20.0, 30.0)])
+def test_colored_and_ambient_light_are_those_of_relight(shader, ball, angles, color, ambient):
+    shader.evaluate(SET, [list(angles), True, 1.0, color, ambient])
+    shader.wait_for_function("window.drawn.count > 0")
+    shader.wait_for_timeout(200)
+    light = light_direction(*angles)
+    wanted = relight(ball, light, light_color=color_of_hex(color), ambient=ambient).to_rgba()
+    assert_shown(shader, wanted)
+    assert (wanted != relight(ball, light).to_rgba()).any()
+
+
+@pytest.mark.browser
 def test_flat_materials_answer_to_the_light_as_far_as_they_are_asked_to(shader, ball):
     angles = (-10.0, 5.0)
     shader.evaluate(SET, [list(angles), True, 0.4])
@@ -108,7 +129,8 @@ def test_flat_materials_answer_to_the_light_as_far_as_they_are_asked_to(shader, 
     wanted = relight(ball, light, flat_shading=0.4).to_rgba()
     assert_shown(shader, wanted)
     other = relight(ball, light, flat_shading=1.0).to_rgba()
-    assert (other != wanted).any() == ball.materials.flat.any()
+    answering = ball.materials.flat.any() and not ball.drawing.is_pixel_art
+    assert (other != wanted).any() == answering
 
 
 @pytest.mark.browser

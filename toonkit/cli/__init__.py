@@ -17,7 +17,7 @@ from toonkit._validation import ToonkitError, ToonkitWarning, expand_home, refus
 from toonkit.cli.batch import add_batch_command
 from toonkit.cli.dashboard import add_dashboard_command
 from toonkit.cli.drawing_work import DrawingWork, add_work_options, analyze_drawing
-from toonkit.cli.lights import parse_light
+from toonkit.cli.lights import parse_color, parse_light
 from toonkit.cli.progress import StepBar, show_warning
 from toonkit.cli.streams import complain, discard_output, prepare_streams
 from toonkit.cli.study import add_study_commands
@@ -177,6 +177,21 @@ def _parser() -> argparse.ArgumentParser:
         help="how much materials painted in one tone answer to the light: 0 leaves them as drawn, 1 (default) shades "
         "them as the drawing shades the others",
     )
+    relight.add_argument(
+        "--light-color", default="#ffffff", metavar="#RRGGBB", help="color of the new light (default: white)"
+    )
+    relight.add_argument(
+        "--ambient",
+        type=float,
+        default=0.0,
+        metavar="A",
+        help="how much light comes from all sides: 0 (default) leaves shadows as the drawing paints them, 1 leaves none",
+    )
+    relight.add_argument(
+        "--palette",
+        action=argparse.BooleanOptionalAction,
+        help="paint with the drawing's own colors only, or with any; by default, pixel art keeps its palette",
+    )
     relight.add_argument("--quiet", action="store_true", help="no progress bar and no summary")
     relight.set_defaults(run=_relight)
 
@@ -224,6 +239,7 @@ def _analyze(arguments: argparse.Namespace) -> int:
 
 def _summarize(analysis: ToonAnalysis, drawing: str, seconds: float) -> None:
     from toonkit.export.report import ink_share  # noqa: PLC0415
+    from toonkit.relighting import Paint  # noqa: PLC0415
 
     estimate, materials = analysis.light_estimate, analysis.materials
     print(f"{drawing}: {int(analysis.image.mask.sum()):,} pixels analyzed in {seconds:.1f} s")
@@ -239,6 +255,8 @@ def _summarize(analysis: ToonAnalysis, drawing: str, seconds: float) -> None:
         print(f"materials: {materials.count}, {flat or 'none'} of them flat")
     if (share := ink_share(analysis.drawing)) > 0:
         print(f"line art: {100 * share:.1f} % of the drawing, which stays as drawn")
+    if Paint.of(analysis, None, keep_detail=True).palette is not None:
+        print("pixel art: relight keeps to its colors, unless you add --no-palette")
 
 
 def _check_outputs(arguments: argparse.Namespace) -> None:
@@ -275,6 +293,9 @@ def _relight(arguments: argparse.Namespace) -> int:
     options: dict[str, Any] = {
         "keep_detail": not arguments.model_only,
         "flat_shading": arguments.flat_shading,
+        "palette": arguments.palette,
+        "light_color": parse_color(arguments.light_color),
+        "ambient": arguments.ambient,
     }
     if light is not None and arguments.out is not None:
         write_picture(relight(analysis, light, **options), arguments.out)

@@ -1,7 +1,8 @@
-"""Lights as they are typed: AZIMUTH,ELEVATION in degrees."""
+"""Lights as they are typed: AZIMUTH,ELEVATION in degrees, and their colors as #RRGGBB."""
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from toonkit._validation import refuse
@@ -24,3 +25,12 @@ def parse_angles(text: str) -> tuple[float, float]:
     except ValueError:
         raise refuse("--light", "must be AZIMUTH,ELEVATION in degrees, such as 135,45", repr(text)) from None
     return azimuth, elevation
+
+
+def parse_color(text: str) -> tuple[float, float, float]:
+    """Return a color, sRGB in [0, 1], typed as #RRGGBB; raises `ToonkitError` for anything else."""
+    from toonkit.model.luminance import color_of_hex  # noqa: PLC0415
+
+    if not re.fullmatch(r"#?[0-9a-fA-F]{6}", text):
+        raise refuse("--light-color", "must be #RRGGBB, such as #ffc080", repr(text))
+    return color_of_hex(text)

@@ -20,6 +20,7 @@ from toonkit.illustration.ink import Ink, find_ink
 from toonkit.illustration.materials import FoundMaterials, label_materials, shows_one_ramp
 from toonkit.illustration.mixed_pixels import MixedPixels, mixtures
 from toonkit.illustration.noise import without_noise
+from toonkit.illustration.palette import is_pixel_art
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.description import describe_object
 from toonkit.model.image import ToonImage
@@ -104,7 +105,7 @@ class PreparedDrawing:
     @cached_property
     def ink(self) -> Ink:
         """The lines over the paint, on the object's frame. What one shaded material explains without any has none."""
-        ink = find_ink(self.frame)
+        ink = find_ink(self.frame, hard_edges=self.is_pixel_art)
         if ink.coverage.any() and not ink.outlined and shows_one_ramp(self.frame, self.framed_normals):
             return replace(ink, coverage=np.zeros_like(ink.coverage), only_lines=False)
         return ink
@@ -138,6 +139,11 @@ class PreparedDrawing:
             frame.color, self.ink.coverage, found.labels, found.sources, found.highlights, frame.mask
         )
         return replace(mixed, drawn=self._drawn[mixed.pixels])
+
+    @cached_property
+    def is_pixel_art(self) -> bool:
+        """Whether the drawing is pixel art."""
+        return is_pixel_art(self.image)
 
     def places(self, pixels: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Row and column, in the picture, of some of the object's pixels."""

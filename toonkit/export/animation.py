@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Iterator
+from typing import Unpack
 
 import numpy as np
 from PIL import Image
@@ -12,7 +13,7 @@ from toonkit._validation import check_callable, is_count, is_number, of_type, re
 from toonkit.analysis import ToonAnalysis
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.model.light import light_angles, light_direction
-from toonkit.relighting import relight
+from toonkit.relighting import RelightOptions, relight
 
 FRAME_MILLISECONDS = 60
 """How long a frame is shown: at 36 frames, one turn takes about two seconds."""
@@ -33,9 +34,8 @@ def write_orbit(
     *,
     frames: int = 36,
     elevation: float | None = None,
-    keep_detail: bool = True,
-    flat_shading: float = 1.0,
     progress: Callable[[float], None] | None = None,
+    **options: Unpack[RelightOptions],
 ) -> None:
     """
     Write an endless animation of the light going once around the object.
@@ -52,12 +52,10 @@ def write_orbit(
     elevation : float, optional
         Degrees, -90 to 90, below 0 for a light that circles behind the picture; by default that of the analyzed light,
         kept within 15 to 60.
-    keep_detail : bool, optional
-        As in `relight`.
-    flat_shading : float, optional
-        As in `relight`.
     progress : callable, optional
         Called with the fraction done, 0..1, after each frame.
+    **options
+        Those of `relight`.
 
     Raises
     ------
@@ -82,7 +80,7 @@ def write_orbit(
 
     def picture(index: int) -> Image.Image:
         light = light_direction(float(azimuths[index]), elevation)
-        relit = relight(analysis, light, keep_detail=keep_detail, flat_shading=flat_shading)
+        relit = relight(analysis, light, **options)
         return Image.fromarray(relit.to_rgba())
 
     def pictures() -> Iterator[Image.Image]:

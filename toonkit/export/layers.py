@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from toonkit._validation import FloatArray
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.light import direction_of
-from toonkit.relighting import highlights_left, relight
+from toonkit.relighting import RelightOptions, highlights_left, relight
 
 Blend = Literal["normal", "multiply", "add"]
 """How a layer is composed with what is below it."""
@@ -131,9 +131,7 @@ _BLENDS = {
 }
 
 
-def split_layers(
-    analysis: ToonAnalysis, light: ArrayLike, *, keep_detail: bool = True, flat_shading: float = 1.0
-) -> Layers:
+def split_layers(analysis: ToonAnalysis, light: ArrayLike, **options: Unpack[RelightOptions]) -> Layers:
     """
     Relight a drawing and take the picture apart into layers.
 
@@ -143,15 +141,13 @@ def split_layers(
         Any method's result.
     light : array_like, shape (3,) or (2,)
         The new light, as in `relight`.
-    keep_detail : bool, optional
-        As in `relight`.
-    flat_shading : float, optional
-        As in `relight`.
+    **options
+        Those of `relight`.
 
     Returns
     -------
     Layers
-        Layers that compose to `relight(analysis, light)` within 1/255.
+        Layers that compose to `relight(analysis, light, **options)` within 1/255.
 
     Raises
     ------
@@ -169,7 +165,7 @@ def split_layers(
     where they continue a line, else in the base color. A shadow or light over such a pixel would make it more opaque in
     most programs.
     """
-    relit = relight(analysis, light, keep_detail=keep_detail, flat_shading=flat_shading)
+    relit = relight(analysis, light, **options)
     picture = relit.to_rgba()
     source, coverage = _paint_sources(analysis)
     seen = picture[..., 3].ravel()

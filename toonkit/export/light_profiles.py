@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from toonkit.export.picture import write_picture
 from toonkit.model.image import ToonImage
 from toonkit.model.light import light_direction
 from toonkit.model.shading import illumination
-from toonkit.relighting import relight
+from toonkit.relighting import RelightOptions, relight
 
 PROFILE_LIGHTS = {
     "left": (180.0, 0.0),
@@ -28,7 +29,7 @@ PROFILE_LIGHTS = {
 
 
 def light_profiles(
-    analysis: ToonAnalysis, *, color: bool = False, keep_detail: bool = True, flat_shading: float = 1.0
+    analysis: ToonAnalysis, *, color: bool = False, **options: Unpack[RelightOptions]
 ) -> dict[str, NDArray[np.uint8]]:
     """
     Light a drawing from the left, the right, the top, the bottom and the front.
@@ -39,10 +40,8 @@ def light_profiles(
         Any method's result.
     color : bool, optional
         False gives the surface in plain gray, True the relit drawing.
-    keep_detail : bool, optional
-        Of relit drawings, as in `relight`.
-    flat_shading : float, optional
-        Of relit drawings, as in `relight`.
+    **options
+        Those of `relight`, for relit drawings.
 
     Returns
     -------
@@ -63,7 +62,7 @@ def light_profiles(
     for name, angles in PROFILE_LIGHTS.items():
         light = light_direction(*angles)
         if color:
-            picture = relight(analysis, light, keep_detail=keep_detail, flat_shading=flat_shading)
+            picture = relight(analysis, light, **options)
         else:
             lit = np.maximum(illumination(analysis.normals, light), 0.0)
             gray = np.repeat(lit[..., None], 3, axis=-1)
@@ -73,7 +72,7 @@ def light_profiles(
 
 
 def write_light_profiles(
-    analysis: ToonAnalysis, folder: PathLike, *, keep_detail: bool = True, flat_shading: float = 1.0
+    analysis: ToonAnalysis, folder: PathLike, **options: Unpack[RelightOptions]
 ) -> list[Path]:
     """
     Write the light profiles of a drawing, gray and relit.
@@ -85,10 +84,8 @@ def write_light_profiles(
     folder : path
         Created if need be. It gets left.png, right.png, top.png, bottom.png and front.png in gray, and left_color.png and
         so on in color.
-    keep_detail : bool, optional
-        As in `relight`.
-    flat_shading : float, optional
-        As in `relight`.
+    **options
+        Those of `relight`.
 
     Returns
     -------
@@ -103,7 +100,7 @@ def write_light_profiles(
     target = make_folder(folder)
     written = []
     gray = light_profiles(analysis)
-    relit = light_profiles(analysis, color=True, keep_detail=keep_detail, flat_shading=flat_shading)
+    relit = light_profiles(analysis, color=True, **options)
     for suffix, profiles in (("", gray), ("_color", relit)):
         for name, pixels in profiles.items():
             write_picture(pixels, target / f"{name}{suffix}.png")

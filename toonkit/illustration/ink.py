@@ -99,7 +99,7 @@ class _Strips:
     width: int
 
 
-def find_ink(frame: Frame) -> Ink:
+def find_ink(frame: Frame, *, hard_edges: bool = False) -> Ink:
     """
     Find the ink of a drawing.
 
@@ -107,6 +107,8 @@ def find_ink(frame: Frame) -> Ink:
     ----------
     frame : Frame
         The object.
+    hard_edges : bool, optional
+        True for pixel art, in which each pixel is either ink or paint: a tone between theirs is paint.
 
     Returns
     -------
@@ -130,7 +132,9 @@ def find_ink(frame: Frame) -> Ink:
     lines = _lines(frame, strips, around)
     if not lines.any():
         return none
-    coverage, color = _coverage(frame, lines, strips)
+    coverage, color = lines.astype(np.float64), frame.color
+    if not hard_edges:
+        coverage, color = _coverage(frame, lines, strips)
     inked = coverage > 0.5
     enclosure = _both_sides(around.share(_grown(inked, 1)))
     black = inked.any() and np.median(frame.lab[inked, 0]) < BLACK
@@ -173,6 +177,8 @@ def _lines(frame: Frame, strips: _Strips, around: _Silhouette) -> BoolArray:
     # Lines may be a darker shade of the paint they surround: the outline then has a color for each part.
     if pieces.any() and _both_sides(around.share(_grown(pieces | lines, 1))) > 0.4:
         lines |= pieces
+    if frame.size <= TINY:  # the pixels inside the silhouette are most of it, whatever they are painted
+        return lines
     return lines | _outlines(frame, around, strips.width)
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.illustration.filling import Labels
+from toonkit.model.luminance import luminance
 
 REACH = 2
 """Pixels from a border within which paint may be mixed with that on its other side."""
@@ -56,6 +57,23 @@ class MixedPixels:
         row = row[found]
         return found, MixedPixels(
             self.pixels[row], self.sources[row], self.shares[row], self.drawn[row], self.highlit[row]
+        )
+
+    def unmixed(self, paint: FloatArray) -> MixedPixels:
+        """
+        Return those of a drawing without anti-aliasing, in which no pixel shows more than one thing.
+
+        They are ink where most of a pixel is ink, and highlights where it is brighter than the paint (n, 3) of its first
+        source.
+        """
+        ink = ~self.highlit & (self.shares.sum(axis=1) < 0.5)
+        kept = np.flatnonzero(ink | (self.highlit & (luminance(self.drawn) > luminance(paint))))
+        return MixedPixels(
+            self.pixels[kept],
+            self.sources[kept],
+            np.where(ink[kept, None], 0.0, self.shares[kept]),
+            self.drawn[kept],
+            self.highlit[kept],
         )
 
     def over(self, before: FloatArray, after: FloatArray, left: FloatArray | float = 1.0) -> FloatArray:

@@ -141,7 +141,7 @@ def join_tones(tones: Tones, facing: Facing) -> Groups:
     large = tones.area > SMALL * tones.area.sum()
     cost = shade_cost(tones.lab)
     evidence = touching_evidence(tones, cost, facing)
-    limited = np.where(_out_of_range(tones.lab), np.maximum(cost, 2.0 * LARGEST_COST), cost)
+    limited = np.where(out_of_range(tones.lab), np.maximum(cost, 2.0 * LARGEST_COST), cost)
     limited = np.where(large[:, None] & large, limited, np.minimum(limited, 0.9))
     return _agglomerate(limited, evidence, tones)
 
@@ -310,7 +310,7 @@ def _ordered(lab: FloatArray) -> tuple[FloatArray, FloatArray, Matrix]:
     return darker, brighter, np.abs(lab[:, None, 0] - lab[None, :, 0])
 
 
-def _out_of_range(lab: FloatArray) -> NDArray[np.bool_]:
+def out_of_range(lab: FloatArray) -> NDArray[np.bool_]:
     """Tell of which pairs the hue turns too far, or the lightness drops too deep."""
     darker, brighter, drop = _ordered(lab)
     chroma = np.linalg.norm(darker, axis=2), np.linalg.norm(brighter, axis=2)

@@ -82,3 +82,31 @@ def hex_color(color: ArrayLike) -> str:
     """
     red, green, blue = np.round(np.asarray(color) * 255).astype(int)
     return f"#{red:02x}{green:02x}{blue:02x}"
+
+
+def color_of_hex(text: str) -> tuple[float, float, float]:
+    """
+    Read a color as web pages write it.
+
+    Parameters
+    ----------
+    text : str
+        "#rrggbb", or "#rgb" for short.
+
+    Returns
+    -------
+    (float, float, float)
+        sRGB in [0, 1].
+
+    Examples
+    --------
+    >>> color_of_hex("#ff0033")
+    (1.0, 0.0, 0.2)
+    >>> color_of_hex("#f03")
+    (1.0, 0.0, 0.2)
+    """
+    digits = text.removeprefix("#")
+    if len(digits) == 3:
+        digits = "".join(2 * digit for digit in digits)
+    red, green, blue = (level / 255 for level in bytes.fromhex(digits))
+    return red, green, blue

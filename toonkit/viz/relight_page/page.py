@@ -56,6 +56,8 @@ def stage(state: RelightState) -> RelightView:
         fraction=state.param.fraction,
         keep_detail=state.param.keep_detail,
         flat_shading=state.param.flat_shading,
+        light_color=state.param.light_color,
+        ambient=state.param.ambient,
         min_height=400,
     )
     view.link(state, bidirectional=True, new_light="new_light", original_light="original_light")
@@ -151,6 +153,15 @@ def method_picker(state: RelightState) -> pn.Column:
     pn.bind(changed, state.param.method, watch=True)
     pn.bind(changed, state.param.original_light, watch=True)
     return pn.Column(heading("Method"), cards, brushwork, flat, **WIDE)
+
+
+def light_controls(state: RelightState) -> pn.Column:
+    """Return the color of the new light, and the slider for light from all sides."""
+    color = pmui.ColorPicker.from_param(state.param.light_color, label="Color", margin=(4, 12), **WIDE)
+    ambient = pmui.FloatSlider.from_param(
+        state.param.ambient, label="Ambient light", step=0.05, margin=(4, 20, 4, 16), **WIDE
+    )
+    return pn.Column(heading("New light"), color, ambient, **WIDE)
 
 
 def _has_flat_materials(analysis: ToonAnalysis | None) -> bool:
@@ -266,7 +277,7 @@ def relight_page() -> pmui.Page:
     page = pmui.Page(
         title="toonkit · relight a drawing",
         main=[pn.Column(view, insight(state), margin=16, **WIDE)],
-        sidebar=[drawing_picker(state), method_picker(state), downloads(state)],
+        sidebar=[drawing_picker(state), method_picker(state), light_controls(state), downloads(state)],
         sidebar_width=300,
         sidebar_resizable=False,
         theme="dark",

@@ -19,6 +19,7 @@ from PIL import Image
 import toonkit
 from toonkit import ToonAnalysis, ToonImage
 from toonkit._validation import refuse
+from toonkit.model.luminance import color_of_hex
 from toonkit.model.normals import encode_normal_map
 from toonkit.samples import sample_light, sample_path
 
@@ -87,6 +88,8 @@ class RelightState(param.Parameterized):
     )
     keep_detail = param.Boolean(True, doc="Keep what the artist painted on top of the color map.")
     flat_shading = param.Number(1.0, bounds=(0, 1), doc="How much materials in one tone answer to the light.")
+    light_color = param.Color("#ffffff", allow_named=False, doc="Color of the new light.")
+    ambient = param.Number(0.0, bounds=(0, 1), doc="How much light comes from all sides.")
     analysis = param.Parameter(None, doc="The ToonAnalysis on screen.")
     step = param.String("", doc='What is being computed; "" when idle.')
     fraction = param.Number(0.0, bounds=(0, 1), doc="How much of it is done.")
@@ -141,7 +144,12 @@ class RelightState(param.Parameterized):
         """Return the picture on screen under the new light."""
         light = toonkit.light_direction(*self.new_light)
         return toonkit.relight(
-            self.analysis, light, keep_detail=self.keep_detail, flat_shading=self.flat_shading
+            self.analysis,
+            light,
+            keep_detail=self.keep_detail,
+            flat_shading=self.flat_shading,
+            light_color=color_of_hex(self.light_color),
+            ambient=self.ambient,
         )
 
     def relit_png(self) -> BytesIO:

@@ -9,11 +9,14 @@ from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
 from toonkit.analysis import ToonAnalysis
+from toonkit.illustration.light_color import LightColor
+from toonkit.illustration.mixed_pixels import MixedPixels
 from toonkit.model.color_map import ColorMap
-from toonkit.model.image import nearest_object_pixel
+from toonkit.model.image import eight_bit, nearest_object_pixel
 from toonkit.model.light import light_angles
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
+from toonkit.relighting import Paint
 
 LONGEST_MAP = 1024
 """Samples of the largest color map sent: longer ones are resampled, since a texture's width is limited."""
@@ -36,7 +39,7 @@ Words = NDArray[np.uint32]
 @dataclass(frozen=True, eq=False)
 class RelightTextures:
     """
-    One analysis as the bytes of six textures, row 0 at the top.
+    One analysis as the bytes of seven textures, row 0 at the top.
 
     Attributes
     ----------
@@ -48,6 +51,7 @@ class RelightTextures:
         RG16F: the equal-area projection (nx, ny) / sqrt(2 (1 + nz)). Unlike (nx, ny) itself it loses no
         precision at the rim, where nz = sqrt(1 - nx² - ny²) amplifies rounding. Outside the mask it holds
         the way (columns, rows), in pixels, to the nearest object pixel, which is longer than any projection.
+        RG32F for pixel art, where a normal that is rounded may give its pixel another color.
     parts : bytes
         R32UI: the number of each pixel's material, or `MIXED` plus the number of its mixture. Empty where all pixels are
         material 0 and none is mixed.
@@ -59,7 +63,10 @@ class RelightTextures:
         RGBA32F, one row for each material: the samples of its M, followed by zeros.
     materials : bytes
         RGBA32F, one row for each material: the illumination of the first and last sample of M, the number of the last
-        sample, and 1 if it is flat, else 0; then its color as a whole.
+        sample, and 1 if it is flat, else 0; then its color as a whole, and the number of colors in its ramp.
+    ramps : bytes
+        RGBA32F, one row for each material: its shadow and its lit tone in linear light, and the colors of its ramp, if
+        there is a palette, followed by zeros.
     analyzed_light : (float, float)
         Azimuth and elevation, in degrees, of the light the picture was analyzed under.
     """
@@ -72,10 +79,11 @@ class RelightTextures:
     mixtures: bytes
     color_maps: bytes
     materials: bytes
+    ramps: bytes
     analyzed_light: tuple[float, float]
 
 
-def encode_textures(analysis: ToonAnalysis) -> RelightTextures:
+def encode_textures(analysis: ToonAnalysis, *, keep_detail: bool = True) -> RelightTextures:
     """
     Encode an analysis for the relight view's shader.
 
@@ -83,6 +91,8 @@ def encode_textures(analysis: ToonAnalysis) -> RelightTextures:
     ----------
     analysis : ToonAnalysis
         Any method's result.
+    keep_detail : bool, optional
+        As in `relight`. It matters for pixel art alone, which has no palette without it.
 
     Returns
     -------
@@ -90,25 +100,37 @@ def encode_textures(analysis: ToonAnalysis) -> RelightTextures:
         Its picture, refined normals, materials and color maps.
     """
     height, width = analysis.image.shape
-    maps = [_sent(color_map) for color_map in analysis.materials.color_maps]
-    parts, mixtures = _parts(analysis)
+    paint = Paint.of(analysis, None, keep_detail=keep_detail)
+    maps = [_sent(color_map) for color_map in paint.materials.color_maps]
+    parts, mixtures = _parts(analysis, paint.mixed)
+    ramps = _ramps(paint)
+    glow = LightColor.of(np.ones(3), 0.0, analysis.materials.color_maps)
     return RelightTextures(
         width=width,
         height=height,
         color=analysis.image.to_rgba().tobytes(),
-        normals=_project(analysis.normals).astype("<f2").tobytes(),
+        normals=_project(analysis.normals)
+        .astype("<f4" if analysis.drawing.is_pixel_art else "<f2")
+        .tobytes(),
         parts=parts.astype("<u4").tobytes(),
         mixtures=mixtures.astype("<u4").tobytes(),
-        color_maps=_stack(maps).astype("<f4").tobytes(),
-        materials=_describe(analysis.materials, maps).astype("<f4").tobytes(),
+        color_maps=_stack([color_map.colors for color_map in maps]).astype("<f4").tobytes(),
+        materials=_describe(paint.materials, maps, ramps).astype("<f4").tobytes(),
+        ramps=_stack(
+            [
+                np.concatenate([*ends, ramp])
+                for *ends, ramp in zip(glow.shadows[:, None], glow.lit_tones[:, None], ramps, strict=True)
+            ]
+        )
+        .astype("<f4")
+        .tobytes(),
         analyzed_light=light_angles(analysis.light),
     )
 
 
-def _parts(analysis: ToonAnalysis) -> tuple[Words, Words]:
+def _parts(analysis: ToonAnalysis, mixed: MixedPixels) -> tuple[Words, Words]:
     """Return the part (H, W) that each pixel has, and the mixtures (rows, MIXTURES_WIDE, 4)."""
     labels, drawing = analysis.materials.labels, analysis.drawing
-    mixed = drawing.mixed
     count = mixed.pixels.size
     if analysis.materials.count == 1 and count == 0:
         return np.zeros(0, np.uint32), np.zeros(0, np.uint32)
@@ -133,21 +155,29 @@ def _sent(color_map: ColorMap) -> ColorMap:
     return color_map.resampled(LONGEST_MAP) if len(color_map.colors) > LONGEST_MAP else color_map
 
 
-def _stack(maps: list[ColorMap]) -> FloatArray:
-    """Return RGBA samples, shape (count, K, 4); the shader is linear between them, as ColorMap is."""
-    samples = np.zeros((len(maps), max(len(color_map.colors) for color_map in maps), 4))
-    for row, color_map in zip(samples, maps, strict=True):
-        row[: len(color_map.colors), :3] = color_map.colors
+def _ramps(paint: Paint) -> list[FloatArray]:
+    """Return the palette's ramps in 8 bits, as the colors are that the shader compares with them."""
+    if paint.palette is None:
+        return [np.zeros((0, 3))] * paint.materials.count
+    return [eight_bit(ramp) / 255 for ramp in paint.palette.ramps]
+
+
+def _stack(rows: list[FloatArray]) -> FloatArray:
+    """Return colors (k, 3) of each material as RGBA, shape (count, K, 4)."""
+    samples = np.zeros((len(rows), max(len(colors) for colors in rows), 4))
+    for row, colors in zip(samples, rows, strict=True):
+        row[: len(colors), :3] = colors
     return samples
 
 
-def _describe(materials: Materials, maps: list[ColorMap]) -> FloatArray:
+def _describe(materials: Materials, maps: list[ColorMap], ramps: list[FloatArray]) -> FloatArray:
     """Return what the shader needs to know of each material, shape (count, 2, 4)."""
     about = np.zeros((materials.count, 2, 4))
     about[:, 0, :2] = [color_map.domain for color_map in maps]
     about[:, 0, 2] = [len(color_map.colors) - 1 for color_map in maps]
     about[:, 0, 3] = materials.flat
     about[:, 1, :3] = materials.base_tones
+    about[:, 1, 3] = [len(ramp) for ramp in ramps]
     return about
 
 

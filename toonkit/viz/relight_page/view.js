@@ -2,7 +2,9 @@
 //
 // c' = M(L'·N) + w d,  d = c - M(L·N),  w = (1 - t²)⁴ for t² < 1,  t = (L'·N - L·N) (1 + |d|² / size²) / (2 range);
 // w = 0 without detail. A flat material of color b: c' = c + s (M(L'·N) - b), from b instead of c without detail. Mixed
-// pixels change by their shares of what their two sources do (toonkit/relighting.py)
+// pixels change by their shares of what their two sources do (toonkit/relighting.py). With a palette, c' is rounded to the
+// ramp of its material (toonkit/illustration/palette.py). Colored and ambient light come on top of it: c'' = e -
+// (1 - color) max(e - shadow, 0), e = c' + ambient max(lit tone - c', 0), in linear light (toonkit/illustration/light_color.py).
 //
 // x points right, y up, z toward the viewer; row 0 of every array is the top. Import-free, so that the
 // same module serves Panel and a notebook without a network.
@@ -18,10 +20,11 @@ precision highp float;
 precision highp int;
 precision highp sampler2D;
 precision highp usampler2D;
-uniform sampler2D u_color, u_normals, u_maps, u_materials;
+uniform sampler2D u_color, u_normals, u_maps, u_materials, u_ramps;
 uniform usampler2D u_parts, u_mixtures;  // see textures.py
 uniform vec3 u_original, u_light;
-uniform float u_range, u_size, u_flat, u_highlight;
+uniform float u_range, u_size, u_flat, u_highlight, u_ambient;
+uniform vec3 u_light_color;
 uniform bool u_detail;
 out vec4 painted;
 
@@ -56,6 +59,44 @@ vec3 relit(vec3 color, vec2 p, int material) {
   return clamp(changed, 0.0, 1.0);
 }
 
+vec3 toLinear(vec3 color) {
+  return mix(pow((max(color, 0.04045) + 0.055) / 1.055, vec3(2.4)), color / 12.92, vec3(lessThanEqual(color, vec3(0.04045))));
+}
+
+vec3 toSrgb(vec3 light) {
+  return clamp(mix(1.055 * pow(max(light, 0.0031308), vec3(1.0 / 2.4)) - 0.055, light * 12.92,
+                   vec3(lessThanEqual(light, vec3(0.0031308)))), 0.0, 1.0);
+}
+
+vec3 filled(vec3 color, int material) {
+  if (u_ambient == 0.0) { return color; }
+  vec3 light = toLinear(color);
+  return toSrgb(light + u_ambient * max(texelFetch(u_ramps, ivec2(1, material), 0).rgb - light, 0.0));
+}
+
+vec3 tinted(vec3 color, int material) {
+  if (u_light_color == vec3(1.0)) { return color; }
+  vec3 light = toLinear(color);
+  return toSrgb(light - (1.0 - u_light_color) * max(light - texelFetch(u_ramps, ivec2(0, material), 0).rgb, 0.0));
+}
+
+// The nearest color of a material's ramp, if it has one; what is drawn in another color stays so, or counts as one of it.
+vec3 rounded(vec3 wanted, vec3 drawn, int material, bool own) {
+  int count = int(texelFetch(u_materials, ivec2(1, material), 0).w);
+  if (count == 0) { return wanted; }
+  vec3 nearest = drawn;
+  float least = own ? dot(wanted - drawn, wanted - drawn) : 1e9;
+  bool listed = own;
+  for (int k = 0; k < count; k++) {
+    vec3 tone = texelFetch(u_ramps, ivec2(k + 2, material), 0).rgb;
+    vec3 off = abs(tone - drawn);
+    listed = listed || max(max(off.r, off.g), off.b) < 0.5 / 255.0;
+    float away = dot(wanted - tone, wanted - tone);
+    if (away < least) { least = away; nearest = tone; }
+  }
+  return listed ? nearest : drawn;
+}
+
 void main() {
   ivec2 pixel = ivec2(int(gl_FragCoord.x), textureSize(u_color, 0).y - 1 - int(gl_FragCoord.y));
   vec4 own = texelFetch(u_color, pixel, 0);
@@ -75,28 +116,41 @@ void main() {
   uvec4 words = texelFetch(u_mixtures, ivec2(number % wide, number / wide), 0);
   if (!mixed) { words = uvec4(uint(pixel.x) | uint(pixel.y) << 16u, 0u, part, 0xffffu); }
   vec2 shares = unpackUnorm2x16(words.w);
-  vec3 changed = color;
+  vec3 changed = color, mixture = color;  // without the light's color, and with it
   // A loop, not branches: renderers without a graphics card go through both sides of a branch.
   for (int k = 0; k < (shares.y > 0.0 ? 2 : 1); k++) {
     uint place = k == 0 ? words.x : words.y;
     ivec2 source = ivec2(place & 0xffffu, place >> 16u);
     vec3 paint = texelFetch(u_color, source, 0).rgb;
     vec2 normal = texelFetch(u_normals, source, 0).rg;
-    changed += (k == 0 ? shares.x : shares.y) * (relit(paint, normal, int(words.z >> uint(16 * k) & 0xffffu)) - paint);
+    int own_material = int(words.z >> uint(16 * k) & 0xffffu);
+    vec3 after = filled(relit(paint, normal, own_material), own_material);
+    float share = k == 0 ? shares.x : shares.y;
+    changed += share * (after - paint);
+    mixture += share * (tinted(after, own_material) - paint);
   }
-  if (words.z >> 16u == HIGHLIT) {  // what a highlight adds to its paint fades
+  int material = int(words.z & 0xffffu);
+  bool highlit = words.z >> 16u == HIGHLIT;
+  if (highlit) {  // what a highlight adds to its paint fades
     vec3 paint = texelFetch(u_color, ivec2(words.x & 0xffffu, words.x >> 16u), 0).rgb;
     float q = dot(p, p);
     float turn = dot(u_light - u_original, vec3(2.0 * sqrt(1.0 - q) * p, 1.0 - 2.0 * q)) / (2.0 * u_highlight);
     float left = max(1.0 - turn * turn, 0.0);
     changed -= (1.0 - left * left * left * left) * (color - paint);
   }
-  changed = clamp(changed, 0.0, 1.0);
+  changed = rounded(clamp(changed, 0.0, 1.0), color, material, highlit);
+  vec3 shown = mixed && !highlit ? clamp(mixture, 0.0, 1.0) : tinted(changed, material);
 #else
-  vec3 changed = relit(color, p, 0);
+  int material = 0;
+  vec3 changed = rounded(filled(relit(color, p, 0), 0), color, 0, false);
+  vec3 shown = tinted(changed, 0);
 #endif
-  if (fringe && u_detail) { changed = clamp(own.rgb + changed - color, 0.0, 1.0); }
-  painted = vec4(changed, own.a);
+  if (fringe && u_detail) {
+    shown -= changed;
+    changed = rounded(clamp(own.rgb + changed - color, 0.0, 1.0), own.rgb, material, true);
+    shown = clamp(shown + changed, 0.0, 1.0);
+  }
+  painted = vec4(shown, own.a);
 }`
 
 const MIXTURES_WIDE = 1024  // as in textures.py
@@ -139,6 +193,16 @@ function turnShare(light, other, fullTurn) {
   return share * share * (3 - 2 * share)
 }
 
+// Linear light of a color #rrggbb, or #rgb for short.
+function linearColor(text) {
+  const digits = text.replace("#", "")
+  const full = digits.length === 3 ? digits.replace(/./g, "$&$&") : digits
+  return [0, 2, 4].map((at) => {
+    const value = parseInt(full.slice(at, at + 2), 16) / 255
+    return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4
+  })
+}
+
 function bytes(value) {
   if (!value) { return new Uint8Array(0) }
   return value instanceof ArrayBuffer ? new Uint8Array(value) : new Uint8Array(value.buffer, value.byteOffset, value.byteLength)
@@ -152,7 +216,7 @@ function painter(canvas) {
   const gl = canvas.getContext("webgl2", {premultipliedAlpha: false, antialias: false, depth: false})
   if (!gl) { return null }
   let program, at, several = null, contents = null
-  const textures = ["u_color", "u_normals", "u_maps", "u_materials", "u_parts", "u_mixtures"]
+  const textures = ["u_color", "u_normals", "u_maps", "u_materials", "u_parts", "u_mixtures", "u_ramps"]
 
   // What is in one material without ink has a shader of its own, which takes two thirds of the time.
   function link() {
@@ -193,7 +257,7 @@ function painter(canvas) {
   // contents: width, height, and the textures as textures.py describes them, as arrays of their own numbers
   function load(next) {
     contents = next
-    const {width, height, color, normals, parts, mixtures, maps, materials} = contents
+    const {width, height, color, normals, parts, mixtures, maps, materials, ramps} = contents
     if (canvas.width !== width || canvas.height !== height) { [canvas.width, canvas.height] = [width, height] }
     gl.viewport(0, 0, width, height)
     if (several !== parts.length > 0) {
@@ -202,7 +266,11 @@ function painter(canvas) {
     }
     const count = materials.length / 8
     upload(0, gl.RGBA8, width, height, gl.RGBA, gl.UNSIGNED_BYTE, color)
-    upload(1, gl.RG16F, width, height, gl.RG, gl.HALF_FLOAT, normals)
+    if (normals.length === 4 * width * height) {
+      upload(1, gl.RG16F, width, height, gl.RG, gl.HALF_FLOAT, new Uint16Array(normals.slice().buffer))
+    } else {
+      upload(1, gl.RG32F, width, height, gl.RG, gl.FLOAT, floats(normals))
+    }
     upload(2, gl.RGBA32F, maps.length / 4 / count, count, gl.RGBA, gl.FLOAT, maps)
     upload(3, gl.RGBA32F, 2, count, gl.RGBA, gl.FLOAT, materials)
     const none = new Uint32Array(4)
@@ -211,9 +279,10 @@ function painter(canvas) {
       : upload(unit, internal, 1, 1, format, gl.UNSIGNED_INT, none)
     uploadWords(4, gl.R32UI, gl.RED_INTEGER, parts, width, height)
     uploadWords(5, gl.RGBA32UI, gl.RGBA_INTEGER, mixtures, MIXTURES_WIDE, mixtures.length / 4 / MIXTURES_WIDE)
+    upload(6, gl.RGBA32F, ramps.length / 4 / count, count, gl.RGBA, gl.FLOAT, ramps)
   }
 
-  function draw({original, light, detail, flat, range, size, highlight}) {
+  function draw({original, light, detail, flat, range, size, highlight, lightColor, ambient}) {
     if (!contents || gl.isContextLost()) { return }
     gl.uniform3fv(at("u_original"), original)
     gl.uniform3fv(at("u_light"), light)
@@ -222,6 +291,8 @@ function painter(canvas) {
     gl.uniform1f(at("u_range"), range)
     gl.uniform1f(at("u_size"), size)
     gl.uniform1f(at("u_highlight"), highlight)
+    gl.uniform3fv(at("u_light_color"), lightColor)
+    gl.uniform1f(at("u_ambient"), ambient)
     gl.drawArrays(gl.TRIANGLES, 0, 3)
   }
 
@@ -477,6 +548,7 @@ function render({model}) {
     shader?.draw({
       original: analyzed, light: current, flat: turned * model.flat_shading,
       detail: model.keep_detail, range: model.detail_range, size: model.detail_size, highlight: model.highlight_range,
+      lightColor: linearColor(model.light_color), ambient: model.ambient,
     })
   }
   function schedule() {
@@ -493,9 +565,10 @@ function render({model}) {
     reloading = false
     const [[width, height], color, normals] = [model.picture_size, bytes(model.color), bytes(model.normals)]
     const [parts, mixtures] = [words(model.parts), words(model.mixtures)]
-    const [maps, materials] = [floats(model.color_maps), floats(model.materials)]
-    const complete = width * height > 0 && color.length === 4 * width * height && normals.length === color.length
+    const [maps, materials, ramps] = [model.color_maps, model.materials, model.ramps].map(floats)
+    const complete = width * height > 0 && color.length === 4 * width * height && [1, 2].includes(normals.length / color.length)
       && (parts.length === 0 || parts.length === width * height) && maps.length > 0 && materials.length > 0
+      && ramps.length > 0 && ramps.length % (materials.length / 2) === 0
     root.classList.toggle("empty", !complete)
     if (!complete) { return }
     const source = drawing.picture
@@ -503,7 +576,7 @@ function render({model}) {
     source.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(color), width, height), 0, 0)
     for (const card of [drawing, relit]) { card.picture.classList.toggle("pixels", Math.max(width, height) <= 160) }
     for (const ball of [lightBall, originalBall]) { ball.load(...shownMap(maps, materials)) }
-    shader?.load({width, height, color, normals: new Uint16Array(normals.slice().buffer), parts, mixtures, maps, materials})
+    shader?.load({width, height, color, normals, parts, mixtures, maps, materials, ramps})
     originalMoved = true
     draw()
   }
@@ -515,10 +588,10 @@ function render({model}) {
   // A light set in Python, for instance after "estimate"
   model.on("change:original_light", () => { original = [...model.original_light]; scheduleAll() })
   model.on("change:new_light", () => { if (timer === null && !orbiting) { light = [...model.new_light]; schedule() } })
-  for (const name of ["keep_detail", "flat_shading", "detail_range", "detail_size", "highlight_range", "full_turn"]) { model.on(`change:${name}`, schedule) }
+  for (const name of ["keep_detail", "flat_shading", "detail_range", "detail_size", "highlight_range", "full_turn", "light_color", "ambient"]) { model.on(`change:${name}`, schedule) }
   for (const name of ["step", "fraction"]) { model.on(`change:${name}`, showProgress) }
   for (const name of [
-    "color", "normals", "parts", "mixtures", "color_maps", "materials", "picture_size", "analyzed_light",
+    "color", "normals", "parts", "mixtures", "color_maps", "materials", "ramps", "picture_size", "analyzed_light",
   ]) {
     model.on(`change:${name}`, scheduleReload)
   }

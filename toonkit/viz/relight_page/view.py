@@ -19,10 +19,11 @@ from PIL import Image
 
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.light import light_direction
+from toonkit.model.luminance import color_of_hex
 from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, FULL_TURN, HIGHLIGHT_RANGE, relight
 from toonkit.viz.relight_page.textures import encode_textures
 
-TEXTURES = ("color", "normals", "parts", "mixtures", "color_maps", "materials")
+TEXTURES = ("color", "normals", "parts", "mixtures", "color_maps", "materials", "ramps")
 """Parameters that hold what `RelightTextures` describes."""
 
 
@@ -47,15 +48,18 @@ class RelightView(pn.custom.JSComponent):
     )
     keep_detail = param.Boolean(True, doc="Keep what the artist painted on top of the color map.")
     flat_shading = param.Number(1.0, bounds=(0, 1), doc="How much materials in one tone answer to the light.")
+    light_color = param.Color("#ffffff", allow_named=False, doc="Color of the new light.")
+    ambient = param.Number(0.0, bounds=(0, 1), doc="How much light comes from all sides.")
     step = param.String("", doc='What is being computed; "" when idle.')
     fraction = param.Number(0.0, bounds=(0, 1), doc="How much of it is done.")
 
     color = param.Bytes(b"", doc="RGBA8 texture: see RelightTextures, as for the next ones.")
-    normals = param.Bytes(b"", doc="RG16F texture.")
+    normals = param.Bytes(b"", doc="RG16F or RG32F texture.")
     parts = param.Bytes(b"", doc="R32UI texture, or none.")
     mixtures = param.Bytes(b"", doc="RGBA32UI texture, or none.")
     color_maps = param.Bytes(b"", doc="RGBA32F texture, a row for each material.")
     materials = param.Bytes(b"", doc="RGBA32F texture, a row for each material.")
+    ramps = param.Bytes(b"", doc="RGBA32F texture, a row for each material.")
     picture_size = param.List([0, 0], bounds=(2, 2), doc="Width and height of the picture, pixels.")
     analyzed_light = param.List(
         [135.0, 45.0], bounds=(2, 2), doc="The light of the analysis on screen, degrees."
@@ -80,7 +84,7 @@ class RelightView(pn.custom.JSComponent):
     def show(self, analysis: ToonAnalysis) -> None:
         """Put an analysis on screen; the new light stays where it is."""
         self._analysis = analysis
-        textures = asdict(encode_textures(analysis))
+        textures = asdict(encode_textures(analysis, keep_detail=self.keep_detail))
         size = [textures.pop("width"), textures.pop("height")]
         angles = list(textures.pop("analyzed_light"))
         self.param.update(**textures, picture_size=size, analyzed_light=angles, original_light=angles)
@@ -92,7 +96,14 @@ class RelightView(pn.custom.JSComponent):
         with param.parameterized.discard_events(self):
             self.param.update(dict.fromkeys(TEXTURES, b""), fallback_picture=b"")
 
-    @param.depends("webgl", "new_light", "keep_detail", "flat_shading", watch=True)
+    @param.depends("keep_detail", watch=True)
+    def _take_palette(self) -> None:
+        """Give pixel art other textures with and without its palette."""
+        if self._analysis is not None and self._analysis.drawing.is_pixel_art:
+            textures = asdict(encode_textures(self._analysis, keep_detail=self.keep_detail))
+            self.param.update({name: textures[name] for name in TEXTURES})
+
+    @param.depends("webgl", "new_light", "keep_detail", "flat_shading", "light_color", "ambient", watch=True)
     def _paint(self) -> None:
         """Paint in Python what a browser without WebGL2 cannot."""
         analysis = self._analysis
@@ -103,6 +114,8 @@ class RelightView(pn.custom.JSComponent):
             light_direction(*self.new_light),
             keep_detail=self.keep_detail,
             flat_shading=self.flat_shading,
+            light_color=color_of_hex(self.light_color),
+            ambient=self.ambient,
         )
         self.fallback_picture = _png(relit.to_rgba())
 

@@ -1,0 +1,284 @@
+"""
+The palette of pixel art: the few colors of a drawing whose edges are hard, and the ramp of them that each material has.
+
+A relit picture of such a drawing is painted in the same colors, as its artist would do it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toonkit._validation import BoolArray, FloatArray
+from toonkit.illustration.flat_shading import LEAST_STEP
+from toonkit.illustration.ramps import out_of_range, shade_cost
+from toonkit.illustration.tones import RADIUS
+from toonkit.model.color_map import ColorMap
+from toonkit.model.image import ToonImage
+from toonkit.model.luminance import luminance, tone
+from toonkit.model.materials import Materials
+from toonkit.model.oklab import srgb_to_oklab
+from toonkit.numerics.compiled import njit
+from toonkit.numerics.masked_grid import bounding_box
+
+Counts = NDArray[np.intp]
+
+FEW_COLORS = 64
+"""Colors of a drawing, each at each opacity counted, up to which it may be pixel art."""
+
+FEWEST_PIXELS, MOST_SCATTERED = 4.0, 0.5
+"""Pixels for each color at least, in the mean, and share of scattered colors at most: those of which most pixels have no
+neighbor of the same color. An anti-aliased picture that is tiny or has few edges has few colors, too, but most of them are
+mixtures, which scatter along its edges."""
+
+SAME = 1e-6
+"""Difference in each channel below which colors are one: those of a file are equal, those that were computed nearly."""
+
+SMALL, DETAILED = 100, 0.1
+"""Pixels across an object up to which its pixels are seen, and share of pixels beside another color from which they are seen
+in a larger one, too. Large areas in few colors are clip art, whose flat parts should rather take shadows of their own."""
+
+MOST_COLORS = 256
+"""Colors that a palette may have where somebody asks for one, as in an indexed picture."""
+
+SHADOW_COST = 2.1
+"""Cost up to which a color may be a shade of another: more than for tones of one material, for these shadows turn in hue."""
+
+SHADOW_APART = 0.12
+"""OKLab distance up to which a color of the palette stands for the shadow that a flat material should have."""
+
+
+@dataclass(frozen=True, eq=False)
+class Palette:
+    """
+    The colors in which a drawing is relit, material by material.
+
+    Attributes
+    ----------
+    ramps : tuple of ndarray, shape (k, 3)
+        For each material the colors it is painted with, sRGB as in the drawing, darkest first. That of a
+        flat material also has the color of the drawing that could best be its shadow, if there is one.
+    materials : Materials
+        The materials, with color maps of flat ones that end in that shadow, or in none.
+    """
+
+    ramps: tuple[FloatArray, ...]
+    materials: Materials
+
+    @property
+    def shades(self) -> bool:
+        """Whether any material has more than one color, so that the drawing can answer to a light."""
+        return any(len(ramp) > 1 for ramp in self.ramps)
+
+    def stacked(self) -> tuple[FloatArray, NDArray[np.intp]]:
+        """Return all ramps as one array (K, 3), and the place of the first color of each and of the end, (count + 1,)."""
+        return np.concatenate(self.ramps), np.cumsum([0, *(len(ramp) for ramp in self.ramps)])
+
+
+def is_pixel_art(image: ToonImage) -> bool:
+    """Tell whether a drawing is pixel art: of few colors, without anti-aliasing, and small or full of details."""
+    _, areas, alone, edges = _distinct(image.color, image.alpha, image.mask, FEW_COLORS)
+    fringe = image.fringe_colors[None], image.alpha[image.fringe_places][None]
+    _, beside, _, _ = _distinct(*fringe, np.ones(fringe[1].shape, np.bool_), FEW_COLORS)
+    count, pixels = len(areas) + len(beside), int(areas.sum() + beside.sum())
+    if count > min(FEW_COLORS, pixels / FEWEST_PIXELS) or (2 * alone > areas).mean() > MOST_SCATTERED:
+        return False
+    across = max(span.stop - span.start for span in bounding_box(image.mask))
+    return across <= SMALL or bool(edges.sum() >= DETAILED * areas.sum())
+
+
+def find_palette(image: ToonImage, materials: Materials) -> Palette | None:
+    """
+    Find the ramp of each material in the colors of a drawing.
+
+    Parameters
+    ----------
+    image : ToonImage
+        The drawing.
+    materials : Materials
+        Its materials, with color maps.
+
+    Returns
+    -------
+    Palette or None
+        None if the drawing has more than `MOST_COLORS` colors in one material.
+    """
+    most = MOST_COLORS * materials.count
+    found, *_ = _distinct(image.color, materials.labels, image.mask, most)
+    if len(found) > most:
+        return None
+    ramps = [_ramp(found[found[:, 3] == number, :3], materials, number) for number in range(materials.count)]
+    shades = np.unique(np.concatenate(ramps), axis=0)
+    tones, color_maps = list(materials.tones), list(materials.color_maps)
+    for number in np.flatnonzero(materials.flat):
+        shadow = None
+        if len(ramps[number]) == 1:
+            tones[number] = ramps[number]
+            shadow = _shadow(ramps[number][0], color_maps[number].colors[0], shades)
+        color_maps[number] = _ending_in(shadow, color_maps[number], tones[number].mean(axis=0))
+        if shadow is not None:
+            ramps[number] = np.stack([shadow, ramps[number][0]])
+    kept = replace(materials, tones=tuple(tones), color_maps=tuple(color_maps))
+    return Palette(tuple(ramps), kept)
+
+
+def _ramp(colors: FloatArray, materials: Materials, number: int) -> FloatArray:
+    """Choose from the colors (n, 3) that occur in a material those that its tones or its color map explain."""
+    lab = srgb_to_oklab(colors)
+    away = np.linalg.norm(lab[:, None] - srgb_to_oklab(materials.tones[number]), axis=-1).min(axis=1)
+    if not materials.flat[number]:
+        away = np.minimum(away, _distance_to_curve(lab, srgb_to_oklab(materials.color_maps[number].colors)))
+    ramp = colors[away < max(RADIUS, float(away.min()) + 1e-9)]
+    sorted_ramp: FloatArray = ramp[np.argsort(luminance(ramp), kind="stable")]
+    return sorted_ramp
+
+
+def _distance_to_curve(points: FloatArray, curve: FloatArray) -> FloatArray:
+    """Return the distance of points (n, 3) to the nearest of the segments between those of a curve (k, 3)."""
+    starts, ways = curve[:-1], np.diff(curve, axis=0)
+    bent = np.flatnonzero(
+        (ways != 0).any(axis=1)
+    )  # most samples of a ramp of few tones repeat the one before
+    starts, ways = starts[bent], ways[bent]
+    from_start = points[:, None] - starts
+    share = np.einsum("nkc,kc->nk", from_start, ways) / np.einsum("kc,kc->k", ways, ways)
+    off = from_start - np.clip(share, 0.0, 1.0)[..., None] * ways
+    nearest: FloatArray = np.linalg.norm(off, axis=-1).min(axis=1, initial=np.inf)
+    return nearest
+
+
+def _shadow(lit: FloatArray, wanted: FloatArray, shades: FloatArray) -> FloatArray | None:
+    """Find the color (3,) of some (n, 3) that is a shade of a lit tone and nearest to the shadow that is wanted."""
+    lab = srgb_to_oklab(np.concatenate([lit[None], shades]))
+    could_be = (shade_cost(lab)[0] <= SHADOW_COST) & ~out_of_range(lab)[0]
+    could_be &= lab[:, 0] < lab[0, 0] - LEAST_STEP
+    away = np.where(could_be, np.linalg.norm(lab - srgb_to_oklab(wanted), axis=-1), np.inf)
+    nearest = int(away.argmin())
+    return shades[nearest - 1] if away[nearest] < SHADOW_APART else None
+
+
+def _ending_in(shadow: FloatArray | None, color_map: ColorMap, lit: FloatArray) -> ColorMap:
+    """Return the derived color map of a flat material with another shadow; without any, it is one color."""
+    if shadow is None:
+        return ColorMap(lit[None], color_map.domain)
+    tones = np.maximum.accumulate(tone(color_map.colors))
+    share = (tones - tones[0]) / max(float(tones[-1] - tones[0]), 1e-9)
+    return ColorMap(shadow + share[:, None] * (lit - shadow), color_map.domain)
+
+
+def nearest_in_ramps(
+    wanted: FloatArray, drawn: FloatArray, which: NDArray[np.integer], palette: Palette, *, own: bool
+) -> FloatArray:
+    """
+    Round colors to the ramps of their materials.
+
+    Parameters
+    ----------
+    wanted, drawn : ndarray, shape (n, 3)
+        The relit colors of some pixels and the ones they are drawn in, sRGB.
+    which : ndarray of int, shape (n,)
+        Their materials.
+    palette : Palette
+        The ramps.
+    own : bool
+        True counts the color that a pixel is drawn in as one of its ramp. False leaves what is drawn in another color than
+        those of its ramp as it is: a line, a glint, a button of one pixel.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        The nearest colors, sRGB; of equally near ones the darkest.
+    """
+    rounded = np.empty_like(wanted)
+    _round(wanted, drawn, which, *palette.stacked(), own, rounded)
+    return rounded
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _round(wanted, drawn, which, ramps, starts, own, rounded):  # type: ignore[no-untyped-def]
+    for pixel in range(len(which)):
+        best = np.inf
+        listed = False
+        for k in range(starts[which[pixel]], starts[which[pixel] + 1]):
+            listed |= (
+                abs(ramps[k, 0] - drawn[pixel, 0]) < SAME
+                and abs(ramps[k, 1] - drawn[pixel, 1]) < SAME
+                and abs(ramps[k, 2] - drawn[pixel, 2]) < SAME
+            )
+            off = (
+                (wanted[pixel, 0] - ramps[k, 0]) ** 2
+                + (wanted[pixel, 1] - ramps[k, 1]) ** 2
+                + (wanted[pixel, 2] - ramps[k, 2]) ** 2
+            )
+            if off < best:
+                best = off
+                rounded[pixel] = ramps[k]
+        off = (
+            (wanted[pixel, 0] - drawn[pixel, 0]) ** 2
+            + (wanted[pixel, 1] - drawn[pixel, 1]) ** 2
+            + (wanted[pixel, 2] - drawn[pixel, 2]) ** 2
+        )
+        if (own and off < best) or not (own or listed):
+            rounded[pixel] = drawn[pixel]
+
+
+def _distinct(
+    color: FloatArray, beside: NDArray[Any], mask: BoolArray, most: int
+) -> tuple[FloatArray, Counts, Counts, Counts]:
+    """
+    List the colors of pixels together with a number that each has beside its color.
+
+    Returns the distinct ones (n, 4), in the order of their first pixels, how many pixels have each, and how many of these
+    have no neighbor with the same, and one with another. Stops as soon as there are more than `most`.
+    """
+    found, counts = np.empty((most + 1, 4)), np.zeros((3, most + 1), np.intp)
+    count = _list(color, beside, mask, found, *counts)
+    areas, alone, edges = counts[:, :count]
+    return found[:count], areas, alone, edges
+
+
+@njit(cache=True, nogil=True)
+def _list(color, beside, mask, found, areas, alone, edges):  # type: ignore[no-untyped-def]
+    height, width = mask.shape
+    count, last = 0, 0
+    for row in range(height):
+        for column in range(width):
+            if not mask[row, column]:
+                continue
+            red, green, blue = color[row, column, 0], color[row, column, 1], color[row, column, 2]
+            number = float(beside[row, column])
+            for step in range(count):
+                place = (last + step) % count  # neighbors are mostly alike
+                if (
+                    abs(found[place, 0] - red) < SAME
+                    and abs(found[place, 1] - green) < SAME
+                    and abs(found[place, 2] - blue) < SAME
+                    and abs(found[place, 3] - number) < SAME
+                ):
+                    break
+            else:
+                place = count
+                found[place, 0], found[place, 1], found[place, 2], found[place, 3] = red, green, blue, number
+                count += 1
+            last = place
+            areas[place] += 1
+            same, other = False, False
+            for down, along in ((0, -1), (0, 1), (-1, 0), (1, 0)):
+                r, c = row + down, column + along
+                if 0 <= r < height and 0 <= c < width and mask[r, c]:
+                    alike = (
+                        abs(color[r, c, 0] - red) < SAME
+                        and abs(color[r, c, 1] - green) < SAME
+                        and abs(color[r, c, 2] - blue) < SAME
+                        and abs(beside[r, c] - number) < SAME
+                    )
+                    same |= alike
+                    other |= not alike
+            alone[place] += not same
+            edges[place] += other
+            if count == len(found):
+                return count
+    return count
