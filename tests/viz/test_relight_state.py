@@ -50,6 +50,17 @@ def test_a_picture_of_ones_own_gets_an_estimated_light(drawing):
     assert state.step == ""
 
 
+def test_what_of_a_file_is_ignored_is_said_to_who_opened_it(ball):
+    file = BytesIO()
+    Image.fromarray(ball.image.to_rgba()).save(file, "PNG", icc_profile=b"no profile")
+    (remark,) = run(RelightState(method="lumo").open_file(file.getvalue()))
+    assert "color profile is damaged and is ignored" in remark
+
+
+def test_a_plain_file_calls_for_no_remark(drawing):
+    assert run(RelightState(method="lumo").open_file(drawing)) == []
+
+
 def test_a_picture_that_cannot_be_read_leaves_the_other_one_on_screen(drawing):
     state = opened(drawing)
     before = state.analysis

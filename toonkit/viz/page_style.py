@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import panel as pn
@@ -33,6 +33,13 @@ def error_reporter(page: str) -> Callable[[Exception], None]:
             pn.state.notifications.error(text, duration=NOTIFICATION_MILLISECONDS)
 
     return report
+
+
+def tell_remarks(remarks: Iterable[str]) -> None:
+    """Tell the user what of their file is ignored or only assumed."""
+    if pn.state.notifications is not None:
+        for remark in remarks:
+            pn.state.notifications.warning(remark, duration=NOTIFICATION_MILLISECONDS)
 
 
 def heading(text: str) -> pmui.Typography:

@@ -17,7 +17,7 @@ from toonkit.methods import METHODS
 from toonkit.model.light import describe_light
 from toonkit.samples import sample_names, sample_path, sample_title
 from toonkit.viz.choice_cards import ChoiceCards, picture_choices, text_choices
-from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading
+from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading, tell_remarks
 from toonkit.viz.relight_page.height_view import HeightView, encode_surface
 from toonkit.viz.relight_page.state import METHOD_DESCRIPTIONS, RelightState, prepare_sample
 from toonkit.viz.relight_page.upload import PictureDropper
@@ -118,8 +118,9 @@ def drawing_picker(state: RelightState) -> pn.Column:
         # The widget changes this dictionary when the next file is dropped, which may be before this one is analyzed.
         for content in tuple(files.values()):
             shown = state.analysis
-            await state.open_file(content)
+            remarks = await state.open_file(content)
             if state.analysis is not shown:  # as it is if this was canceled, or overtaken by another drawing
+                tell_remarks(remarks)
                 tell_light(state.analysis)
 
     state.param.watch(lambda event: cards.param.update(value=event.new), "sample")

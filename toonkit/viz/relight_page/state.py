@@ -18,9 +18,10 @@ from PIL import Image
 
 import toonkit
 from toonkit import ToonAnalysis, ToonImage
-from toonkit._validation import refuse
+from toonkit._validation import collect_warnings, refuse
 from toonkit.model.normals import encode_normal_map
 from toonkit.samples import sample_light, sample_path
+from toonkit.viz.turns import TURNS, Progress
 
 METHOD_DESCRIPTIONS = {
     "toonkit": ("toonkit", "Recommended: knows shapes, keeps the colors"),
@@ -46,7 +47,6 @@ MOST_FILE_BYTES = 60 * 10**6
 PROGRESS_SECONDS = 0.08
 """Pause between two progress reports: faster ones only fill the connection."""
 
-Progress = Callable[[str, float], None]
 Key = tuple[str, str, tuple[float, ...]]
 Result = TypeVar("Result")
 
@@ -56,7 +56,6 @@ Kept = OrderedDict[Key, ToonAnalysis]
 _samples: Kept = (
     OrderedDict()
 )  # of the samples, for all visitors; pictures of their own are kept with their state
-_at_work = threading.Lock()  # one analysis at a time: it uses every core, and numba's threads do not share
 
 
 class CancelledError(Exception):
@@ -103,16 +102,31 @@ class RelightState(param.Parameterized):
         if image is not None:
             await self._analyze(image, list(sample_light(name)), sample=name)
 
-    async def open_file(self, content: bytes) -> None:
-        """Open a picture of the user's own; its light is estimated. Raises ToonkitError for what is none, or too large."""
+    async def open_file(self, content: bytes) -> list[str]:
+        """
+        Open a picture of the user's own; its light is estimated.
+
+        Returns
+        -------
+        list of str
+            What of the file is ignored or only assumed, a line each.
+
+        Raises
+        ------
+        ToonkitError
+            If it is no picture, or too large.
+        """
         if not isinstance(content, bytes):
             raise refuse("source", "must be a picture file", "a text")
         if len(content) > MOST_FILE_BYTES:
             rule = f"must have at most {MOST_FILE_BYTES // 10**6} MB"
             raise refuse("source", rule, f"{len(content) / 10**6:.0f} MB")
-        image = await self._work("opening the drawing", lambda _: toonkit.load_image(BytesIO(content)))
-        if image is not None:
-            await self._analyze(image, None, sample="")
+        opened = await self._work("opening the drawing", lambda _: _read(content))
+        if opened is None:
+            return []
+        image, warned = opened
+        await self._analyze(image, None, sample="")
+        return warned
 
     async def analyze(self) -> None:
         """Analyze the drawing on screen with the method and the original light now wished for."""
@@ -163,15 +177,23 @@ class RelightState(param.Parameterized):
             shown = self.analysis
             previous = shown if shown is not None and shown.image is image else None
             analysis = await self._work(
-                "reading the drawing", lambda progress: _analyze_once(key, image, progress, previous, kept)
+                "reading the drawing",
+                lambda progress: _analyze_once(key, image, progress, previous, kept),
+                waits=True,
             )
         else:
             self.cancel()
         if analysis is not None:
             self.param.update(sample=sample, analysis=analysis, original_light=_angles(analysis))
 
-    async def _work(self, step: str, task: Callable[[Progress], Result]) -> Result | None:
-        """Run a task in a thread. None if it was cancelled or overtaken; what it raises is raised here."""
+    async def _work(
+        self, step: str, task: Callable[[Progress], Result], *, waits: bool = False
+    ) -> Result | None:
+        """
+        Run a task in a thread; None if it was cancelled or overtaken. What it raises is raised here.
+
+        A task that waits for its turn does so in a thread for that, and keeps none from those that do not.
+        """
         self._stop.set()  # a newer wish ends the computation of an older one
         stop = self._stop = threading.Event()
         async with self._turn:
@@ -179,7 +201,10 @@ class RelightState(param.Parameterized):
                 return None
             self.param.update(step=step, fraction=0.0)
             try:
-                result = await asyncio.to_thread(task, self._progress(stop))
+                loop = asyncio.get_running_loop()
+                result = await loop.run_in_executor(
+                    TURNS.threads if waits else None, task, self._progress(stop)
+                )
             except CancelledError:
                 result = None
             except BaseException:
@@ -228,25 +253,26 @@ def prepare_sample(name: str) -> None:
     _analyze_once(key, image, lambda _step, _fraction: None, None, _samples)
 
 
+def _read(content: bytes) -> tuple[ToonImage, list[str]]:
+    with collect_warnings() as warned:
+        return toonkit.load_image(BytesIO(content)), warned
+
+
 def _analyze_once(
     key: Key, image: ToonImage, progress: Progress, previous: ToonAnalysis | None, kept: Kept
 ) -> ToonAnalysis:
-    """Analyze a picture, from an earlier answer if there is one, or wait for whoever is analyzing it already."""
-    while not _at_work.acquire(timeout=PROGRESS_SECONDS):
-        progress("waiting for another drawing", 0.0)
-    try:
+    """Analyze a picture once its turn has come, from an earlier answer if there is one, unless somebody has done so."""
+    with TURNS.turn(progress) as limited:
         if key not in kept:
             _, method, angles = key
             light = toonkit.light_direction(*angles) if angles else None
-            analysis = toonkit.analyze(image, light, method=method, previous=previous, progress=progress)
+            analysis = toonkit.analyze(image, light, method=method, previous=previous, progress=limited)
             if image.mask.size > KEPT_PIXELS:
                 return analysis
             kept[key] = analysis
             while len(kept) > KEPT_ANALYSES:
                 kept.popitem(last=False)
         return kept[key]
-    finally:
-        _at_work.release()
 
 
 def _angles(analysis: ToonAnalysis) -> list[float]:
