@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -40,6 +41,11 @@ def tell_remarks(remarks: Iterable[str]) -> None:
     if pn.state.notifications is not None:
         for remark in remarks:
             pn.state.notifications.warning(remark, duration=NOTIFICATION_MILLISECONDS)
+
+
+def plain(text: str) -> str:
+    """Return Markdown that shows a text as it is: names from files must not become HTML."""
+    return re.sub(r"([!-/:-@\[-`{-~])", r"\\\1", text)
 
 
 def heading(text: str) -> pmui.Typography:
