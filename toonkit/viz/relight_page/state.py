@@ -72,7 +72,7 @@ class RelightState(param.Parameterized):
     Examples
     --------
     >>> state = RelightState()
-    >>> asyncio.run(state.open_sample("apple"))  # doctest: +SKIP
+    >>> asyncio.run(state.open_sample("duck"))  # doctest: +SKIP
     >>> state.relit_png()  # doctest: +SKIP
     """
 
