@@ -18,7 +18,7 @@ MOST_WAITING = 20
 """Sessions that may wait; more would wait longer than anyone looks at a page."""
 
 MOST_SECONDS = 120.0
-"""Time that one computation may take: many times that of the largest picture on two cores."""
+"""Time that one computation may take: several times that of the largest object on two cores."""
 
 LOOK_SECONDS = 0.08
 """Pause after which whoever waits looks whether they still want to."""
