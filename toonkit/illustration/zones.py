@@ -112,7 +112,7 @@ def _without_grain(lab: Lab, paint: BoolArray) -> Lab:
 
 
 def _connected(smooth: BoolArray, flat: BoolArray, lab: Lab) -> Labels:
-    """Number connected pieces from 0; -1 where it is not smooth."""
+    """Return connected pieces, numbered from 0; -1 where it is not smooth."""
     labels = np.full(smooth.shape, -1, np.int32)
     own = np.arange(smooth.size, dtype=np.int32)
     row, width = lab.reshape(-1, 3), smooth.shape[1]
