@@ -75,7 +75,7 @@ class PreparedDrawing:
         return f"PreparedDrawing({describe_object(self.mask)})"
 
     def with_materials(self, materials: ArrayLike) -> PreparedDrawing:
-        """Return the drawing with other materials (H, W), as `prepare` takes them; they share what does not depend on them."""
+        """Return the drawing with other materials, as `prepare` takes them; they share what does not depend on them."""
         other = PreparedDrawing(self.image, materials)
         for name in WHATEVER_MATERIALS:
             if name in self.__dict__:
