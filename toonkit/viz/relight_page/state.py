@@ -79,7 +79,9 @@ class RelightState(param.Parameterized):
     can_undo = param.Boolean(False, doc="Whether a correction of the materials can be undone.")
     can_redo = param.Boolean(False, doc="Whether one can be done again.")
     corrected = param.Boolean(False, doc="Whether the materials wished for are others than those found.")
-    settled = param.Integer(0, doc="How many wishes have been fulfilled, given up or cancelled.")
+    settled = param.Integer(
+        0, doc="How many corrections are done with: analyzed, refused, or overtaken by others."
+    )
     step = param.String("", doc='What is being computed; "" when idle.')
     fraction = param.Number(0.0, bounds=(0, 1), doc="How much of it is done.")
 
@@ -123,6 +125,21 @@ class RelightState(param.Parameterized):
     def labels(self) -> Numbers:
         """Number of each pixel's material on screen, shape (H, W), -1 outside: in `corrections`, not in the analysis."""
         return self.corrections.labels_of(self._version)
+
+    @property
+    def numbers(self) -> list[int]:
+        """Numbers of the materials on screen, in the order in which the analysis has them."""
+        if self.analysis is None:
+            return []
+        labels = self.labels
+        numbers: list[int] = np.unique(labels[labels >= 0]).tolist()
+        return numbers
+
+    def select_place(self, place: int) -> None:
+        """Select a material by its place in the analysis on screen."""
+        numbers = self.numbers
+        if place < len(numbers):
+            self.selected = numbers[place]
 
     async def merge(self, material: int, into: int) -> None:
         """Give all of a material to another one, and analyze the drawing with it."""
