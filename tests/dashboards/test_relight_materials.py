@@ -260,13 +260,15 @@ def test_another_drawing_shows_its_own_materials(materials_page):
     assert button(materials_page, "Merge into").is_disabled()
 
 
-def test_on_a_narrow_page_materials_are_corrected_above_the_tabs(materials_page):
-    materials_page.set_viewport_size({"width": 420, "height": 800})
-    materials_page.keyboard.press("Escape")
-    expect(materials_page.locator(".card.original .swatches")).to_be_visible()
-    materials_page.wait_for_timeout(1000)
-    card = materials_page.locator(".card.original").bounding_box()
-    tabs = materials_page.get_by_role("tablist").bounding_box()
+def test_on_a_narrow_page_materials_are_corrected_above_the_tabs(browser, relight_url):
+    page = browser.new_page(viewport={"width": 420, "height": 800})
+    page.goto(relight_url)
+    page.wait_for_selector(".relight:not(.empty)", timeout=START_SECONDS * 1000)
+    page.keyboard.press("Escape")  # closes the sidebar
+    page.get_by_role("button", name="Materials", exact=True).click()
+    swatches(page).nth(1).click()
+    expect(swatches(page).nth(1)).to_have_attribute("aria-pressed", "true")
+    card = page.locator(".card.original").bounding_box()
+    tabs = page.get_by_role("tablist").bounding_box()
     assert tabs["y"] >= card["y"] + card["height"]
-    swatches(materials_page).nth(1).click()
-    expect(swatches(materials_page).nth(1)).to_have_attribute("aria-pressed", "true")
+    page.close()

@@ -85,7 +85,7 @@ button svg { width: 15px; height: 15px; fill: currentColor; margin-left: -3px; }
 button:disabled { opacity: .4; cursor: default; background: transparent; }
 .tools .size { flex: 1 1 60px; min-width: 50px; max-width: 180px; }
 .tools .space { flex: 1; }
-.swatches { display: grid; grid-template-columns: repeat(auto-fill, minmax(56px, 1fr)); gap: 8px; overflow-y: auto; margin: -4px;
+.swatches { display: grid; grid-template-columns: repeat(auto-fill, minmax(50px, 1fr)); gap: 8px 7px; overflow-y: auto; margin: -4px;
   padding: 4px; align-content: start; }
 .swatch { position: relative; padding: 0; height: 30px; border: 0; border-radius: 7px; overflow: visible; touch-action: manipulation; }
 .swatch i { position: absolute; inset: 0; border-radius: 7px; box-shadow: inset 0 0 0 1px rgba(0, 0, 0, .28); }
