@@ -90,7 +90,7 @@ class MaterialCorrections:
     def merge(self, material: int, into: int) -> None:
         """Give all pixels of a material to another one."""
         labels = self.labels
-        numbers = np.unique(labels[labels >= 0])
+        numbers = numbers_in(labels)
         for name, number in (("material", material), ("into", into)):
             if number not in numbers:
                 raise refuse(name, "must be one of the materials", number)
@@ -118,8 +118,8 @@ class MaterialCorrections:
             raise refuse("path", "must be places in the picture", "a point that is not finite")
         if not is_number(radius) or not 0 < radius <= WIDEST_BRUSH:
             raise refuse("radius", f"must be above 0, and at most {WIDEST_BRUSH} pixels", radius)
-        new = int(labels.max()) + 1
-        if material not in (*np.unique(labels[labels >= 0]), new) or material >= MOST_MATERIALS:
+        numbers = numbers_in(labels)
+        if material not in (*numbers, numbers[-1] + 1) or material >= MOST_MATERIALS:
             raise refuse("material", "must be one of the materials, or the next number", material)
         covered = _stroke(points, float(radius), self._shape) & (labels >= 0)
         labels[covered] = material
@@ -154,6 +154,12 @@ class MaterialCorrections:
         if len(self._versions) > MOST_STEPS + 1:
             del self._versions[1]  # the first one is what was found
         self._position = len(self._versions) - 1
+
+
+def numbers_in(labels: NDArray[np.integer]) -> list[int]:
+    """Return the numbers of the materials that occur, in rising order: much faster than sorting them all."""
+    numbers: list[int] = np.flatnonzero(np.bincount(labels.ravel() + 1)[1:]).tolist()
+    return numbers
 
 
 def _packed(labels: NDArray[np.integer]) -> Version:

@@ -9,7 +9,7 @@ const ICONS = Object.fromEntries(Object.entries({
   redo: "M16 4l5 5-5 5M21 9H10a5.5 5.5 0 0 0 0 11h4",
 }).map(([name, path]) => [name, `<svg viewBox="0 0 24 24"><path d="${path}"/></svg>`]))
 const HINTS = {
-  none: "Click a part that is wrong", chosen: "Merge it, or paint what belongs to it", merge: "Now click what it belongs to",
+  none: "Click a part that is wrong", chosen: "Merge it, or paint more of it", merge: "Now click what it belongs to",
   brush: "Paint what belongs to it", fresh: "Paint the new material",
 }
 
@@ -272,7 +272,7 @@ function materialsEditor({root, card, stage}, told) {
   document.addEventListener("keydown", key)
 
   return {
-    get selected() { return selected },
+    get open() { return open },
     setOpen(on) {
       ;[open, merging, brushing, hovered] = [on, false, false, -1]
       card.classList.toggle("editing", on)

@@ -69,11 +69,11 @@ def stage(state: RelightState) -> RelightView:
     view.link(state, bidirectional=True, **{name: name for name in linked})
     view.on_msg(_answer(state))
 
-    async def show_idle(_: object) -> None:
-        if not state.step:
+    async def arrive(step: str, _: int) -> None:
+        if not step:
             await send_unsent(view)
 
-    pn.bind(show_idle, state.param.step, watch=True)
+    pn.bind(arrive, state.param.step, state.param.settled, watch=True)
     state.param.watch(lambda event: view.show(event.new, state.labels), "analysis")
     return view
 

@@ -22,7 +22,7 @@ from toonkit._validation import refuse
 from toonkit.model.normals import encode_normal_map
 from toonkit.samples import sample_light, sample_path
 from toonkit.viz.relight_page.analyses import SAMPLES, Evidence, Kept, Progress, Question, answer, digest_of
-from toonkit.viz.relight_page.corrections import MaterialCorrections, Numbers, Version
+from toonkit.viz.relight_page.corrections import MaterialCorrections, Numbers, Version, numbers_in
 
 METHOD_DESCRIPTIONS = {
     "toonkit": ("toonkit", "Recommended: knows shapes, keeps the colors"),
@@ -129,11 +129,7 @@ class RelightState(param.Parameterized):
     @property
     def numbers(self) -> list[int]:
         """Numbers of the materials on screen, in the order in which the analysis has them."""
-        if self.analysis is None:
-            return []
-        labels = self.labels
-        numbers: list[int] = np.unique(labels[labels >= 0]).tolist()
-        return numbers
+        return [] if self.analysis is None else numbers_in(self.labels)
 
     def select_place(self, place: int) -> None:
         """Select a material by its place in the analysis on screen."""

@@ -107,12 +107,13 @@ function render({model}) {
   function setEditing(on) {
     for (const [button, editing] of modeButtons) { button.setAttribute("aria-pressed", editing === on) }
     editor.setOpen(on)
+    showMaterials()
   }
   // Shows what Python knows, once it has answered all that was changed here.
   async function showMaterials() {
     const [deflated, maps, materials] = [bytes(model.labels).slice(), floats(model.color_maps), floats(model.materials)]
     const [width, height] = model.picture_size
-    if (pending > 0 || deflated.length === 0) { return }
+    if (!editor.open || pending > 0 || deflated.length === 0) { return }
     const labels = await inflated(deflated)
     if (pending === 0 && width === model.picture_size[0] && labels.length === width * height) {
       editor.load(width, height, labels, maps, materials)
@@ -196,11 +197,10 @@ function render({model}) {
   for (const name of ["keep_detail", "flat_shading", "detail_range", "detail_size", "highlight_range", "full_turn"]) { model.on(`change:${name}`, schedule) }
   for (const name of ["step", "fraction"]) { model.on(`change:${name}`, showProgress) }
   for (const name of [
-    "color", "normals", "parts", "mixtures", "color_maps", "materials", "picture_size", "analyzed_light",
+    "color", "normals", "parts", "mixtures", "color_maps", "materials", "picture_size", "analyzed_light", "labels",
   ]) {
     model.on(`change:${name}`, scheduleReload)
   }
-  model.on("change:labels", () => setTimeout(showMaterials))
   model.on("change:selected", () => editor.setSelected(model.selected))
   model.on("change:settled", () => {
     ;[pending, settled] = [Math.max(pending - (model.settled - settled), 0), model.settled]

@@ -62,7 +62,8 @@ button svg { width: 15px; height: 15px; fill: currentColor; margin-left: -3px; }
 .busy { position: absolute; left: 50%; bottom: 18px; width: min(320px, calc(100% - 32px)); padding: 10px 14px;
   transform: translateX(-50%); display: none; grid-template-columns: 1fr auto; gap: 6px 14px; align-items: center;
   background: var(--paper); border-radius: 10px; box-shadow: 0 4px 22px rgba(0, 0, 0, .35); cursor: default; }
-.busy.on { display: grid; }
+.busy.on { display: grid; animation: appear .15s .25s backwards; }
+@keyframes appear { from { opacity: 0; } }
 .busy .step { overflow: hidden; text-overflow: ellipsis; white-space: nowrap; }
 .busy .step::first-letter { text-transform: uppercase; }
 .busy .track { grid-row: 2; height: 4px; border-radius: 2px; background: var(--line); overflow: hidden; }
