@@ -14,7 +14,7 @@ from PIL import Image
 import toonkit
 from tests.viz.test_relight_state import run
 from toonkit import ToonkitError
-from toonkit.viz.relight_page import state as relight_state
+from toonkit.viz.relight_page import analyses
 from toonkit.viz.relight_page.state import RelightState
 from toonkit.viz.turns import Turns
 
@@ -120,7 +120,7 @@ def test_a_drawing_that_takes_too_long_leaves_the_other_one_on_screen(monkeypatc
             progress("working", 0.5)
 
     monkeypatch.setattr(toonkit, "analyze", endless)
-    monkeypatch.setattr(relight_state, "TURNS", Turns(most_seconds=0.05))
+    monkeypatch.setattr(analyses, "TURNS", Turns(most_seconds=0.05))
     with pytest.raises(ToonkitError, match="takes longer"):
         run(state.open_file(second))
     assert state.analysis is shown
@@ -135,11 +135,11 @@ def test_a_visitor_with_many_drawings_delays_another_by_one_at_most(monkeypatch)
     first_started = threading.Event()
     release = threading.Event()
 
-    def noted(image, light=None, *, method, previous, progress):
+    def noted(image, light=None, *, method, materials=None, previous, progress):
         started.append(busy if method == "lumo" else late)
         first_started.set()
         assert release.wait(PATIENCE_SECONDS)
-        return real(image, light, method=method, previous=previous, progress=progress)
+        return real(image, light, method=method, materials=materials, previous=previous, progress=progress)
 
     async def visit() -> None:
         async def open_many() -> None:
@@ -155,7 +155,7 @@ def test_a_visitor_with_many_drawings_delays_another_by_one_at_most(monkeypatch)
         await asyncio.gather(visits, later)
 
     monkeypatch.setattr(toonkit, "analyze", noted)
-    monkeypatch.setattr(relight_state, "TURNS", Turns())
+    monkeypatch.setattr(analyses, "TURNS", Turns())
     run(visit())
     assert started.index(late) == 1
     assert len(started) == 6

@@ -1,9 +1,11 @@
-"""What every dashboard looks like, and how it tells what went wrong."""
+"""What every dashboard looks like, how it tells what went wrong, and how what it shows arrives."""
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import re
+import time
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -15,6 +17,10 @@ from toonkit._validation import ToonkitError
 ACCENT = "#e07a1f"
 WIDE: dict[str, Any] = {"sizing_mode": "stretch_width"}
 NOTIFICATION_MILLISECONDS = 9000
+
+UNSENT_SECONDS = 0.3
+"""Panel 1.9 can leave an update unsent that was made while another one was on its way, until the next one: so long after it
+one follows that changes nothing on screen."""
 
 _BAR = {"backgroundColor": "#17181b", "color": "#f4f2ee", "boxShadow": "none"}
 THEME: dict[str, Any] = {
@@ -51,3 +57,9 @@ def plain(text: str) -> str:
 def heading(text: str) -> pmui.Typography:
     """Return the title of a part of the sidebar."""
     return pmui.Typography(text, variant="overline", margin=(8, 12, 0, 12))
+
+
+async def send_unsent(component: pn.viewable.Viewable) -> None:
+    """Make sure that the last update of a component arrives."""
+    await asyncio.sleep(UNSENT_SECONDS)
+    component.tags = [time.monotonic()]

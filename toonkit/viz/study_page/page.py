@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import time
 from pathlib import Path
 
 import panel as pn
@@ -13,7 +12,7 @@ import param
 from toonkit._validation import ToonkitError
 from toonkit.study.table import load_trials, settings_of
 from toonkit.viz.choice_cards import ChoiceCards, text_choices
-from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading, plain
+from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading, plain, send_unsent
 from toonkit.viz.session_end import free_when_left
 from toonkit.viz.study_page.elements import live_heat_map
 from toonkit.viz.study_page.examination import Examination
@@ -22,10 +21,6 @@ from toonkit.viz.study_page.sheet import SHEET_STYLE, sheet_note, trial_sheet
 from toonkit.viz.study_page.state import StudyState
 
 LINE = "1px solid color-mix(in srgb, var(--panel-on-surface-color) 16%, transparent)"
-UNSENT_SECONDS = 0.3
-"""Panel 1.9 can leave an update unsent that was made while another one was on its way, until the next one: so long after a
-sheet one follows that changes nothing on screen."""
-
 FRAME = {"border": LINE, "border-radius": "10px"}
 
 
@@ -57,8 +52,7 @@ def trial_card(state: StudyState) -> pn.Column:
             content = await asyncio.to_thread(trial_sheet, examination, records, measure=measure)
             if state.examination is examination:
                 sheet.object = content
-                await asyncio.sleep(UNSENT_SECONDS)
-                sheet.tags = [time.monotonic()]
+                await send_unsent(sheet)
 
     async def examine(*_: object) -> None:
         await state.examine()
