@@ -173,7 +173,7 @@ def test_a_picture_of_ones_own_is_analyzed(relight_page):
 
 def test_the_user_is_told_what_of_a_file_is_ignored(relight_page):
     upload_ball(relight_page, 94, icc_profile=b"no profile")
-    relight_page.wait_for_selector("text=/color profile is damaged and is ignored/")
+    relight_page.wait_for_selector("text=/This file: its color profile is damaged and is ignored/")
 
 
 def test_a_light_that_a_drawing_does_not_say_is_assumed_and_the_user_told(relight_page):

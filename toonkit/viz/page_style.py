@@ -46,7 +46,8 @@ def tell_remarks(remarks: Iterable[str]) -> None:
     """Tell the user what of their file is ignored or only assumed."""
     if pn.state.notifications is not None:
         for remark in remarks:
-            pn.state.notifications.warning(remark, duration=NOTIFICATION_MILLISECONDS)
+            text = f"This file: {remark.removeprefix('source: ')}"
+            pn.state.notifications.warning(text, duration=NOTIFICATION_MILLISECONDS)
 
 
 def plain(text: str) -> str:
