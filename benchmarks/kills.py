@@ -48,8 +48,9 @@ COMMANDS = {
 TIMES = {"seconds", "runs"}
 """What no two runs have in common in their JSON files."""
 
-GROWING = ("study.json", "trials.parquet")
-"""Files that a run writes more than once: when it is killed they are whole, but may be of an earlier moment."""
+REWRITTEN = ("report.json", "study.json", "trials.parquet")
+"""Files that a run writes more than once: when it is killed they are whole, but may be of an earlier moment. While the files
+of an analysis are replaced, its report does not vouch for them."""
 
 
 @dataclass
@@ -103,9 +104,9 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def is_whole(path: Path, expected: bytes | None) -> bool:
-    """Tell whether a file can be read, and is the expected one unless it grows while a command runs."""
+    """Tell whether a file can be read, and is the expected one unless a command writes it more than once."""
     try:
-        return content(path) == expected or path.name in GROWING
+        return content(path) == expected or path.name in REWRITTEN
     except (ValueError, OSError):
         return False
 

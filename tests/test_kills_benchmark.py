@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import random
+from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from benchmarks import kills
 from benchmarks.kills import Findings
+
+ROOT = Path(__file__).parents[1]
 
 
 @pytest.mark.parametrize("command", ["analyze", "export"])
@@ -44,3 +48,18 @@ def test_times_are_no_difference_and_other_content_is(expected, tmp_path):
     (tmp_path / ".relit.png.tmp").touch()
     kills.compare(tmp_path, expected, found)
     assert (found.different, found.stray) == (2, 1)
+
+
+def test_the_report_of_files_that_are_being_replaced_is_whole(expected, tmp_path):
+    (tmp_path / "report.json").write_text("{}")
+    found = Findings("analyze")
+    kills.look(tmp_path, expected, found)
+    assert (found.half, found.whole) == (0, 2)
+
+
+def test_the_text_says_what_was_measured():
+    rows = pd.read_csv(ROOT / "benchmarks" / "results" / "kills.csv")
+    text = " ".join((ROOT / "SECURITY.md").read_text().split())
+    assert list(rows["command"]) == list(kills.COMMANDS)
+    assert f"killed {rows['kills'].min()} times each" in text
+    assert (rows[["half", "stray", "different"]] == 0).all(axis=None)
