@@ -28,7 +28,7 @@ ROOT = Path(__file__).parent.parent
 PYPROJECT: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text())
 PROJECT: dict[str, Any] = PYPROJECT["project"]
 README = (ROOT / "README.md").read_text()
-DOCUMENTS = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+DOCUMENTS = (ROOT / "README.md", ROOT / "SECURITY.md", *sorted((ROOT / "docs").glob("*.md")))
 CONSTRAINTS = [
     line for line in (ROOT / "constraints.txt").read_text().splitlines() if not line.lstrip().startswith("#")
 ]
@@ -241,6 +241,16 @@ def test_every_module_and_function_that_a_document_names_exists(document: Path) 
     assert sorted(name for name in commands if importlib.util.find_spec(name) is None) == []
     for name in set(re.findall(r"`(toonkit(?:\.\w+)+)", text)):
         pkgutil.resolve_name(name)  # raises if there is none
+
+
+def test_each_threat_names_tests_that_exist() -> None:
+    rows = [row for row in (ROOT / "SECURITY.md").read_text().splitlines() if row.startswith("| ")][1:]
+    named = [re.findall(r"`(test_\w+)`", row) for row in rows]
+    written = "\n".join(path.read_text() for path in (ROOT / "tests").rglob("test_*.py"))
+    existing = set(re.findall(r"^def (test_\w+)", written, re.MULTILINE))
+    assert len(rows) > 10
+    assert [row for row, names in zip(rows, named, strict=True) if not names] == []
+    assert [name for names in named for name in names if name not in existing] == []
 
 
 def test_development_says_how_long_the_networks_were_trained() -> None:

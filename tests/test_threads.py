@@ -1,11 +1,10 @@
-"""An analysis is the same to the last bit on any number of cores and threads, in Python and on the command line."""
+"""An analysis is the same to the last bit on any number of cores and threads, in Python, as a command and on the page."""
 
 from __future__ import annotations
 
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,31 +17,64 @@ from toonkit.synthetic.drawing import draw_scene
 SIZE = 320
 """Pixels of the drawing's width: BLAS shares sums among threads from some ten thousand numbers on."""
 
-COMMAND = """
+ON_SOME_CORES = """
 import os, sys
 cores = sorted(os.sched_getaffinity(0))
 os.sched_setaffinity(0, cores[: int(sys.argv[1])])
-from toonkit.cli import main
-sys.exit(main(["analyze", sys.argv[2], "-o", sys.argv[3], "--quiet"]))
+drawing, folder = sys.argv[2:]
 """
+
+WAYS = {
+    "python": """
+import toonkit
+toonkit.analyze(drawing).save(folder + "/analysis.npz")
+""",
+    "command": """
+from toonkit.cli import main
+main(["analyze", drawing, "-o", folder, "--quiet"])
+""",
+    "dashboard": """
+import asyncio
+from pathlib import Path
+from toonkit.viz.relight_page.state import RelightState
+state = RelightState()
+asyncio.run(state.open_file(Path(drawing).read_bytes()))
+state.analysis.save(folder + "/analysis.npz")
+""",
+}
+"""Programs that analyze a drawing and estimate its light."""
+
+
+@pytest.fixture(scope="module")
+def drawing(tmp_path_factory):
+    path = tmp_path_factory.mktemp("drawing") / "drawing.png"
+    write_picture(draw_scene(2, size=SIZE).image, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def expected(drawing):
+    """The archive that is made in this process."""
+    path = drawing.with_name("expected.npz")
+    toonkit.analyze(drawing).save(path)
+    return path
 
 
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="cores can be chosen on Linux only")
-def test_an_estimated_light_and_all_that_follows_do_not_depend_on_cores_and_threads(tmp_path):
-    path = tmp_path / "drawing.png"
-    write_picture(draw_scene(2, size=SIZE).image, path)
-    expected = toonkit.analyze(path)
-    assert expected.light_estimate is not None
-    expected.save(tmp_path / "expected.npz")
-    for cores, threads in ((1, 1), (os.cpu_count() or 1, 7)):
-        folder: Path = tmp_path / f"{cores}"
-        environment = {**os.environ, "OPENBLAS_NUM_THREADS": str(threads), "OMP_NUM_THREADS": str(threads)}
-        command = [sys.executable, "-c", COMMAND, str(cores), str(path), str(folder)]
-        subprocess.run(command, env=environment, check=True)
-        found = load_analysis(folder / "analysis.npz")
-        assert found.light_estimate is not None
-        assert found.light_estimate.confidence == expected.light_estimate.confidence
-        assert np.array_equal(found.light, expected.light)
-        assert np.array_equal(found.report.energies, expected.report.energies)
-        # Archives round normals, but the energies above are those of the normals before that.
-        assert (folder / "analysis.npz").read_bytes() == (tmp_path / "expected.npz").read_bytes()
+@pytest.mark.parametrize(
+    ("way", "cores", "threads"), [("python", 1, 1), ("command", 1, 1), ("command", 2, 7), ("dashboard", 2, 7)]
+)
+def test_an_estimated_light_and_all_that_follows_do_not_depend_on_way_cores_and_threads(
+    way, cores, threads, drawing, expected, tmp_path
+):
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": str(threads), "OMP_NUM_THREADS": str(threads)}
+    command = [sys.executable, "-c", ON_SOME_CORES + WAYS[way], str(cores), str(drawing), str(tmp_path)]
+    subprocess.run(command, env=environment, check=True)
+    mine, other = load_analysis(expected), load_analysis(tmp_path / "analysis.npz")
+    assert mine.light_estimate is not None
+    assert other.light_estimate is not None
+    assert other.light_estimate.confidence == mine.light_estimate.confidence
+    assert np.array_equal(other.light, mine.light)
+    assert np.array_equal(other.report.energies, mine.report.energies)
+    # Archives round normals, but the energies above are those of the normals before that.
+    assert (tmp_path / "analysis.npz").read_bytes() == expected.read_bytes()

@@ -10,7 +10,9 @@ from __future__ import annotations
 import math
 import os
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeGuard
@@ -54,9 +56,28 @@ class ToonkitWarning(UserWarning):
     """Input that toonkit uses, but perhaps not as it was meant: the message names the argument and what was assumed."""
 
 
+_collected: ContextVar[list[str] | None] = ContextVar("_collected", default=None)
+
+
 def warn(argument: str, assumed: str) -> None:
     """Say in one line what is assumed about an argument that says something else, or nothing."""
-    warnings.warn(f"{argument}: {assumed}", ToonkitWarning, stacklevel=3)
+    text = f"{argument}: {assumed}"
+    collected = _collected.get()
+    if collected is None:
+        warnings.warn(text, ToonkitWarning, stacklevel=3)
+    else:
+        collected.append(text)
+
+
+@contextmanager
+def collect_warnings() -> Iterator[list[str]]:
+    """Collect the texts of this thread's warnings, which nobody else sees; `warnings` itself mixes those of all threads."""
+    collected: list[str] = []
+    token = _collected.set(collected)
+    try:
+        yield collected
+    finally:
+        _collected.reset(token)
 
 
 def refuse(argument: str, rule: str, value: object) -> ToonkitError:

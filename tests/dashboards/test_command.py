@@ -91,3 +91,26 @@ def test_what_cannot_be_shown_is_refused(arguments, message, tmp_path, monkeypat
     monkeypatch.chdir(tmp_path)
     assert main(["dashboard", *arguments, "--no-show"]) == 2
     assert message in capsys.readouterr().err
+
+
+def handshake(url, origin):
+    """The status with which the server of a page answers a page of another address that wants to connect to it."""
+    host = url.split("/")[2]
+    lines = [
+        f"GET /{url.rsplit('/', 1)[1]}/ws HTTP/1.1",
+        f"Host: {host}",
+        f"Origin: {origin}",
+        "Connection: Upgrade",
+        "Upgrade: websocket",
+        "Sec-WebSocket-Version: 13",
+        "Sec-WebSocket-Key: MDEyMzQ1Njc4OWFiY2RlZg==",
+    ]
+    with socket.create_connection(tuple(host.split(":")), STOP_SECONDS) as connection:
+        connection.sendall("\r\n".join([*lines, "", ""]).encode())
+        return int(connection.recv(64).split()[1])
+
+
+def test_a_page_of_another_site_cannot_connect(tmp_path):
+    with commanded(tmp_path, "relight") as (url, _):
+        assert handshake(url, url.rsplit("/", 1)[0]) == 101
+        assert handshake(url, "http://example.com") == 403

@@ -49,8 +49,8 @@ def until(page, condition, seconds=60):
     return come
 
 
-def upload_ball(page, side, badge=False, flat=False):
-    """Drop a drawing of a gray ball, at will with a flat red badge or unshaded, and wait until it is on screen."""
+def upload_ball(page, side, badge=False, flat=False, **options):
+    """Drop a drawing of a gray ball, with a flat red badge, unshaded or saved with options, and wait until it shows."""
     y, x = np.mgrid[:side, :side] - side / 2 + 0.5
     tone = np.where((x + y < 0) | flat, 230, 120)
     color = np.dstack([tone, tone, tone])
@@ -58,7 +58,7 @@ def upload_ball(page, side, badge=False, flat=False):
         color[np.hypot(x - 0.1 * side, y - 0.1 * side) < 0.15 * side] = (200, 30, 40)
     alpha = np.where(np.hypot(x, y) < 0.42 * side, 255, 0)
     buffer = BytesIO()
-    Image.fromarray(np.dstack([color, alpha]).astype(np.uint8)).save(buffer, "PNG")
+    Image.fromarray(np.dstack([color, alpha]).astype(np.uint8)).save(buffer, "PNG", **options)
     page.locator("input[type=file]").set_input_files(
         {"name": "ball.png", "mimeType": "image/png", "buffer": buffer.getvalue()}
     )
@@ -169,6 +169,11 @@ def test_a_picture_of_ones_own_is_analyzed(relight_page):
     # The method alone: no sample any more, and no material once the tab shows the new drawing.
     assert until(relight_page, lambda: chosen.count() == 1)
     relight_page.wait_for_selector("text=/Estimated light: azimuth .* sure/")
+
+
+def test_the_user_is_told_what_of_a_file_is_ignored(relight_page):
+    upload_ball(relight_page, 94, icc_profile=b"no profile")
+    relight_page.wait_for_selector("text=/This file: its color profile is damaged and is ignored/")
 
 
 def test_a_light_that_a_drawing_does_not_say_is_assumed_and_the_user_told(relight_page):

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import shutil
 import time
 
+import pandas as pd
 import pytest
 from playwright.sync_api import expect
 
-from tests.dashboards.conftest import PATIENCE_SECONDS, wait_until_all_have_left
+from tests.dashboards.conftest import PATIENCE_SECONDS, served, wait_until_all_have_left
+from toonkit.study.table import CSV_NAME, PROVENANCE_NAME
 from toonkit.viz.study_page.page import study_page as study_page_of
 
 pytestmark = pytest.mark.browser
@@ -110,6 +113,38 @@ def test_a_study_page_is_freed_once_its_visitor_has_left(browser, study_url):
     counts = wait_until_all_have_left(study_url)["counts"]
     assert "ServerSession" not in counts
     assert counts.get("Page", 0) <= 1  # Panel may keep the first page of a process
+
+
+SCRIPT = "<img src=x onerror='window.injected=true'>"
+
+
+@pytest.fixture
+def hostile_url(tmp_path, study_folder):
+    """The page of a study whose names and errors are HTML that would run a script."""
+    table = pd.read_csv(study_folder / CSV_NAME)
+    for column in ("shape", "color_map"):
+        table[column] += SCRIPT
+    table["method"] = table["method"].replace("lambert", f"lambert{SCRIPT}")
+    table["error"] = table["error"].mask(table["error"].notna(), f"ToonkitError: {SCRIPT}")
+    table.to_csv(tmp_path / CSV_NAME, index=False)
+    shutil.copy(study_folder / PROVENANCE_NAME, tmp_path)
+    with served("study", tmp_path / "log", tmp_path) as url:
+        yield url
+
+
+def test_names_and_errors_of_a_study_run_no_script(page, hostile_url, complaints):
+    page.set_viewport_size({"width": 1440, "height": 900})
+    page.goto(hostile_url)
+    page.get_by_text(SCRIPT).first.wait_for()
+    page.wait_for_selector(".bk-Figure")
+    for place in ((0, -1), (1, 0)):
+        click(page, place)
+        page.wait_for_timeout(REST_SECONDS * 1000)  # for its hover text
+    page.locator('[data-value="flat"]').click()
+    page.wait_for_timeout(REST_SECONDS * 1000)
+    page.get_by_role("combobox", name="Shape").click()
+    page.get_by_role("menuitem").first.wait_for()
+    assert page.evaluate("window.injected") is None
 
 
 def test_without_a_study_the_page_says_how_to_make_one(tmp_path):

@@ -35,6 +35,19 @@ def test_what_is_derived_is_derived_once():
     assert prepare(drawing) is drawing
 
 
+def test_other_materials_share_the_shape_and_the_answer_is_the_same():
+    image = soft_ball()
+    halves = np.where(np.arange(image.shape[1]) < image.shape[1] // 2, 0, 1) * np.ones(image.shape, int)
+    analysis = analyze(image, LIGHT)
+    again = analyze(analysis.drawing, LIGHT, materials=halves)
+    assert again.initial_normals is analysis.initial_normals
+    assert again.drawing.ink is analysis.drawing.ink
+    anew = analyze(image, LIGHT, materials=halves)
+    np.testing.assert_array_equal(again.materials.labels, anew.materials.labels)
+    np.testing.assert_array_equal(again.normals.compact, anew.normals.compact)
+    assert analysis.drawing.materials.count == 1
+
+
 @pytest.mark.parametrize("method", list(METHODS))
 def test_an_analysis_keeps_the_prepared_drawing_and_another_light_reuses_it(method):
     image = soft_ball()

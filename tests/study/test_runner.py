@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import psutil
 import pytest
 from distributed import LocalCluster
 
@@ -306,6 +307,16 @@ def test_cells_that_find_no_worker_are_not_waited_for(monkeypatch):
     monkeypatch.setattr(cluster, "NO_WORKER_SECONDS", 0.05)
     cell = cells.Cell.of(plan().cells()[0], plan())
     assert list(cluster.as_they_come({NeverDone(): cell}, Deserted())) == []
+
+
+def test_the_cluster_of_a_study_answers_to_this_machine_only():
+    with cluster.cluster_client(1, None, 1):
+        this = psutil.Process()
+        connections = [
+            one for process in (this, *this.children(recursive=True)) for one in process.net_connections()
+        ]
+    addresses = {one.laddr.ip for one in connections if one.status == psutil.CONN_LISTEN}
+    assert addresses == {"127.0.0.1"}
 
 
 def test_a_batch_for_another_toonkit_is_refused():

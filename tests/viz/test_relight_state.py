@@ -12,7 +12,8 @@ from PIL import Image
 
 import toonkit
 from toonkit import ToonkitError, relight
-from toonkit.viz.relight_page import state as relight_state
+from toonkit.model.normals import encode_normal_map
+from toonkit.viz.relight_page.analyses import SAMPLES
 from toonkit.viz.relight_page.state import RelightState
 
 
@@ -24,7 +25,7 @@ def run(work):
 
 @pytest.fixture(autouse=True)
 def nothing_kept():
-    relight_state._samples.clear()
+    SAMPLES.clear()
 
 
 @pytest.fixture
@@ -48,6 +49,17 @@ def test_a_picture_of_ones_own_gets_an_estimated_light(drawing):
         toonkit.light_direction(*state.original_light), state.analysis.light, atol=1e-4
     )
     assert state.step == ""
+
+
+def test_what_of_a_file_is_ignored_is_said_to_who_opened_it(ball):
+    file = BytesIO()
+    Image.fromarray(ball.image.to_rgba()).save(file, "PNG", icc_profile=b"no profile")
+    (remark,) = run(RelightState(method="lumo").open_file(file.getvalue()))
+    assert "color profile is damaged and is ignored" in remark
+
+
+def test_a_plain_file_calls_for_no_remark(drawing):
+    assert run(RelightState(method="lumo").open_file(drawing)) == []
 
 
 def test_a_picture_that_cannot_be_read_leaves_the_other_one_on_screen(drawing):
@@ -104,10 +116,10 @@ def test_a_newer_wish_ends_an_older_computation(drawing, monkeypatch):
     state = opened(drawing)
     real = toonkit.analyze
 
-    def slow_for_todo(image, light=None, *, method, previous, progress):
+    def slow_for_todo(image, light=None, *, method, progress, **others):
         while method == "todo":
             progress("working", 0.5)
-        return real(image, light, method=method, previous=previous, progress=progress)
+        return real(image, light, method=method, progress=progress, **others)
 
     async def two_wishes():
         state.method = "todo"
@@ -125,9 +137,9 @@ def test_under_another_original_light_the_answer_that_is_shown_is_where_it_start
     state = opened(drawing)
     shown, real, previous_ones = state.analysis, toonkit.analyze, []
 
-    def noted(image, light=None, *, method, previous, progress):
+    def noted(image, light=None, *, previous, **others):
         previous_ones.append(previous)
-        return real(image, light, method=method, previous=previous, progress=progress)
+        return real(image, light, previous=previous, **others)
 
     monkeypatch.setattr(toonkit, "analyze", noted)
     state.original_light = [77.0, 33.0]
@@ -161,3 +173,164 @@ def test_the_file_is_painted_in_the_light_that_is_asked_for(harlequin):
     expected = relight(harlequin, (-10, 35), light_color=(1, 128 / 255, 0), ambient=0.25)
     np.testing.assert_array_equal(state.relit().to_rgba(), expected.to_rgba())
     assert (expected.to_rgba() != relight(harlequin, (-10, 35)).to_rgba()).any()
+
+
+@pytest.fixture
+def motley(harlequin):
+    """A state with a ball of three materials on screen, as an analysis of its file found them."""
+    file = BytesIO()
+    Image.fromarray(harlequin.image.to_rgba()).save(file, "PNG")
+    state = opened(file.getvalue())
+    assert state.analysis.materials.count == 3
+    return state
+
+
+def anew(state):
+    """The analysis of the drawing on screen with the materials on screen, made from nothing else."""
+    light = toonkit.light_direction(*state.original_light)
+    return toonkit.analyze(state.analysis.image, light, method=state.method, materials=state.labels)
+
+
+def wishes(state):
+    return state.can_undo, state.can_redo, state.corrected
+
+
+def test_merged_materials_are_analyzed_and_exported_as_one(motley):
+    found = motley.analysis
+    run(motley.merge(2, 0))
+    assert motley.analysis.materials.count == 2
+    np.testing.assert_array_equal(
+        motley.labels, np.where(found.materials.labels == 2, 0, found.materials.labels)
+    )
+    with Image.open(motley.relit_png()) as relit, Image.open(motley.normal_map_png()) as normal_map:
+        fresh = anew(motley)
+        light = toonkit.light_direction(*motley.new_light)
+        np.testing.assert_array_equal(np.asarray(relit), toonkit.relight(fresh, light).to_rgba())
+        encoded = encode_normal_map(fresh.normals)
+        np.testing.assert_array_equal(np.asarray(normal_map)[..., :3], encoded)
+    assert wishes(motley) == (True, False, True)
+
+
+def test_a_stroke_makes_a_new_material(motley):
+    run(motley.paint([(40, 40), (60, 50)], 6, 3))
+    assert motley.analysis.materials.count == 4
+    np.testing.assert_array_equal(motley.labels, motley.analysis.materials.labels)
+
+
+def test_undo_and_redo_show_what_was_there_without_another_analysis(motley, monkeypatch):
+    found = motley.analysis
+    run(motley.merge(1, 0))
+    merged = motley.analysis
+    monkeypatch.delattr(toonkit, "analyze")
+    run(motley.undo())
+    assert motley.analysis is found
+    assert wishes(motley) == (False, True, False)
+    run(motley.redo())
+    assert motley.analysis is merged
+    run(motley.reset_materials())
+    assert motley.analysis is found
+    assert wishes(motley) == (True, False, False)
+
+
+def test_a_number_is_kept_where_another_material_is_gone(motley):
+    run(motley.merge(1, 0))
+    assert set(np.unique(motley.labels)) == {-1, 0, 2}
+    run(motley.merge(2, 0))
+    assert motley.analysis.materials.count == 1
+
+
+def test_another_light_and_another_method_keep_the_corrections(motley):
+    run(motley.merge(2, 0))
+    motley.original_light = [77.0, 33.0]
+    run(motley.analyze())
+    motley.method = "lambert"
+    run(motley.analyze())
+    run(motley.estimate_light())
+    assert motley.analysis.method == "lambert"
+    assert motley.analysis.materials.count == 2
+    assert motley.corrected
+
+
+def test_a_failed_correction_leaves_the_work_and_can_be_tried_again(motley, monkeypatch):
+    run(motley.merge(2, 0))
+    shown, real = motley.analysis, toonkit.analyze
+
+    def fail(*_, **__):
+        raise ToonkitError("no shape")
+
+    monkeypatch.setattr(toonkit, "analyze", fail)
+    settled = motley.settled
+    with pytest.raises(ToonkitError, match="no shape"):
+        run(motley.merge(1, 0))
+    assert motley.analysis is shown
+    assert motley.settled > settled
+    assert wishes(motley) == (True, True, True)
+    monkeypatch.setattr(toonkit, "analyze", real)
+    run(motley.redo())
+    assert motley.analysis.materials.count == 1
+
+
+def test_what_is_no_correction_is_refused_and_changes_nothing(motley):
+    shown, settled = motley.analysis, motley.settled
+    with pytest.raises(ToonkitError, match="material"):
+        run(motley.merge(7, 0))
+    assert motley.analysis is shown
+    assert motley.settled > settled
+
+
+def test_a_stroke_during_an_analysis_is_analyzed_with_the_one_before(motley, monkeypatch):
+    real = toonkit.analyze
+
+    def slow_once(*given, progress, **others):
+        monkeypatch.setattr(toonkit, "analyze", real)
+        while True:
+            progress("working", 0.5)
+
+    async def two_strokes():
+        first = asyncio.create_task(motley.merge(1, 0))
+        await asyncio.sleep(0.2)
+        await asyncio.gather(first, motley.paint([(30, 30)], 8, 3))
+
+    monkeypatch.setattr(toonkit, "analyze", slow_once)
+    run(two_strokes())
+    assert set(np.unique(motley.labels)) == {-1, 0, 2, 3}
+    assert motley.analysis.materials.count == 3
+
+
+def test_a_correction_taken_back_before_it_is_analyzed_leaves_what_is_shown(motley, monkeypatch):
+    shown = motley.analysis
+
+    def endless(*_, progress, **__):
+        while True:
+            progress("working", 0.5)
+
+    async def merge_and_undo():
+        merging = asyncio.create_task(motley.merge(1, 0))
+        await asyncio.sleep(0.2)
+        await asyncio.gather(merging, motley.undo())
+
+    monkeypatch.setattr(toonkit, "analyze", endless)
+    run(merge_and_undo())
+    assert motley.analysis is shown
+    assert wishes(motley) == (False, True, False)
+
+
+def test_corrections_wait_for_whoever_comes_back_to_their_drawing(motley, drawing):
+    image = BytesIO()
+    Image.fromarray(motley.analysis.image.to_rgba()).save(image, "PNG")
+    run(motley.merge(2, 0))
+    run(motley.open_file(drawing))
+    assert wishes(motley) == (False, False, False)
+    run(motley.open_file(image.getvalue()))
+    assert wishes(motley) == (True, False, True)
+    assert motley.analysis.materials.count == 2
+
+
+def test_corrections_of_a_sample_are_their_visitors_own():
+    state = RelightState(method="lumo")
+    run(state.open_sample("mushroom"))
+    run(state.merge(1, 0))
+    assert [question.version for question in SAMPLES] == [None]
+    other = RelightState(method="lumo")
+    run(other.open_sample("mushroom"))
+    assert not other.corrected

@@ -27,6 +27,7 @@ from toonkit.viz.study_page.examination import Examination, examine
 from toonkit.viz.study_page.matrix import trial_matrix
 from toonkit.viz.study_page.sheet import trial_sheet
 from toonkit.viz.study_page.state import StudyState
+from toonkit.viz.turns import Turns
 
 SIZE = 48
 SETTINGS = StudySettings(size=SIZE)
@@ -316,3 +317,10 @@ def test_the_heat_map_has_a_rectangle_for_each_trial_and_mean_and_a_cross_for_a_
 def test_a_difference_is_blue_where_better_dark_where_even_and_orange_where_worse():
     colors = difference_colors()
     assert (colors[0], colors[128], colors[-1]) == ("#58b4f0", "#26282c", "#f08a3c")
+
+
+def test_a_trial_that_takes_too_long_to_examine_is_ended_and_the_user_told(state, monkeypatch):
+    monkeypatch.setattr(study_state, "TURNS", Turns(most_seconds=-1))
+    with pytest.raises(ToonkitError, match="takes longer"):
+        run(state.examine())
+    assert state.step == ""

@@ -34,6 +34,9 @@ MOST_PIXELS = 25_000_000
 TELLING, TELLING_SHARE = 4, 0.25
 """Islands from which the light is estimated, at most, and the least area of one relative to the largest."""
 
+WHATEVER_MATERIALS = ("grid", "islands", "_coverage", "frame", "ink", "initial_normals", "telling_islands")
+"""Parts of a prepared drawing that do not depend on its materials."""
+
 
 class PreparedDrawing:
     """
@@ -71,6 +74,14 @@ class PreparedDrawing:
 
     def __repr__(self) -> str:
         return f"PreparedDrawing({describe_object(self.mask)})"
+
+    def with_materials(self, materials: ArrayLike) -> PreparedDrawing:
+        """Return the drawing with other materials, as `prepare` takes them; they share what does not depend on them."""
+        other = PreparedDrawing(self.image, materials)
+        for name in WHATEVER_MATERIALS:
+            if name in self.__dict__:
+                other.__dict__[name] = self.__dict__[name]
+        return other
 
     @property
     def mask(self) -> BoolArray:
@@ -279,7 +290,7 @@ def prepare(
     if isinstance(materials, Materials):
         materials = materials.labels
     if isinstance(drawing, PreparedDrawing):
-        return drawing if materials is None else PreparedDrawing(drawing.image, materials)
+        return drawing if materials is None else drawing.with_materials(materials)
     of_type("image", drawing, ToonImage)
     return PreparedDrawing(drawing, materials)
 

@@ -82,7 +82,7 @@ def cluster_client(workers: int | None, scheduler: str | None, tasks: int) -> It
                 n_workers=min(worker_count(workers), tasks),
                 threads_per_worker=1,  # a trial keeps a core busy; what its solvers spread falls to idle ones
                 memory_limit=None,  # dask would count what a worker keeps for its next array, and stop it
-                dashboard_address=":0",  # any port: another cluster may hold the usual one
+                dashboard_address="127.0.0.1:0",  # any port: another cluster may hold the usual one
                 silence_logs=logging.CRITICAL,
             )
         with cluster, Client(cluster) as client:

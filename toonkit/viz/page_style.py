@@ -1,9 +1,12 @@
-"""What every dashboard looks like, and how it tells what went wrong."""
+"""What every dashboard looks like, how it tells what went wrong, and how what it shows arrives."""
 
 from __future__ import annotations
 
+import asyncio
 import logging
-from collections.abc import Callable
+import re
+import time
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import panel as pn
@@ -14,6 +17,10 @@ from toonkit._validation import ToonkitError
 ACCENT = "#e07a1f"
 WIDE: dict[str, Any] = {"sizing_mode": "stretch_width"}
 NOTIFICATION_MILLISECONDS = 9000
+
+UNSENT_SECONDS = 0.3
+"""Panel 1.9 can leave an update unsent that was made while another one was on its way, until the next one: so long after it
+one follows that changes nothing on screen."""
 
 _BAR = {"backgroundColor": "#17181b", "color": "#f4f2ee", "boxShadow": "none"}
 THEME: dict[str, Any] = {
@@ -35,6 +42,25 @@ def error_reporter(page: str) -> Callable[[Exception], None]:
     return report
 
 
+def tell_remarks(remarks: Iterable[str]) -> None:
+    """Tell the user what of their file is ignored or only assumed."""
+    if pn.state.notifications is not None:
+        for remark in remarks:
+            text = f"This file: {remark.removeprefix('source: ')}"
+            pn.state.notifications.warning(text, duration=NOTIFICATION_MILLISECONDS)
+
+
+def plain(text: str) -> str:
+    """Return Markdown that shows a text as it is: names from files must not become HTML."""
+    return re.sub(r"([!-/:-@\[-`{-~])", r"\\\1", text)
+
+
 def heading(text: str) -> pmui.Typography:
     """Return the title of a part of the sidebar."""
     return pmui.Typography(text, variant="overline", margin=(8, 12, 0, 12))
+
+
+async def send_unsent(component: pn.viewable.Viewable) -> None:
+    """Make sure that the last update of a component arrives."""
+    await asyncio.sleep(UNSENT_SECONDS)
+    component.tags = [time.monotonic()]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 import weakref
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from typing import Any
 
 import panel as pn
@@ -17,7 +17,7 @@ from toonkit.methods import METHODS
 from toonkit.model.light import describe_light
 from toonkit.samples import sample_names, sample_path, sample_title
 from toonkit.viz.choice_cards import ChoiceCards, picture_choices, text_choices
-from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading
+from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading, send_unsent, tell_remarks
 from toonkit.viz.relight_page.height_view import HeightView, encode_surface
 from toonkit.viz.relight_page.state import METHOD_DESCRIPTIONS, RelightState, prepare_sample
 from toonkit.viz.relight_page.upload import PictureDropper
@@ -29,6 +29,9 @@ PICTURE_TYPES = ["image/png", "image/jpeg", "image/webp", "image/tiff", ".tif", 
 PICTURE_FIRST_SECONDS = 0.4
 LIGHT_NOTE_MILLISECONDS = 8000
 TabMaker = Callable[[ToonAnalysis], Any]
+
+AS_HIGH_AS_NEEDED = {"max-height": "none"}
+"""Style of what would be cut to the height of a narrow window, where the pictures stand one below the other."""
 
 TAB_SIZE = {"height": 380, **WIDE}
 
@@ -58,20 +61,50 @@ def stage(state: RelightState) -> RelightView:
         flat_shading=state.param.flat_shading,
         light_color=state.param.light_color,
         ambient=state.param.ambient,
-        min_height=400,
+        can_undo=state.param.can_undo,
+        can_redo=state.param.can_redo,
+        corrected=state.param.corrected,
+        settled=state.param.settled,
+        styles=AS_HIGH_AS_NEEDED,
     )
-    view.link(state, bidirectional=True, new_light="new_light", original_light="original_light")
+    linked = ("new_light", "original_light", "selected")
+    view.link(state, bidirectional=True, **{name: name for name in linked})
+    view.on_msg(_answer(state))
+
+    async def arrive(step: str, _: int) -> None:
+        if not step:
+            await send_unsent(view)
+
+    pn.bind(arrive, state.param.step, state.param.settled, watch=True)
+    state.param.watch(lambda event: view.show(event.new, state.labels), "analysis")
+    return view
+
+
+def _answer(state: RelightState) -> Callable[[DataEvent], Awaitable[None]]:
+    """Return what does what the view's user asks for."""
+
+    async def estimate() -> None:
+        await state.estimate_light()
+        tell_light(state.analysis)
+
+    async def cancel() -> None:
+        state.cancel()
+
+    actions: dict[str, Callable[..., Awaitable[None]]] = {
+        "estimate": estimate,
+        "cancel": cancel,
+        "merge": state.merge,
+        "paint": state.paint,
+        "undo": state.undo,
+        "redo": state.redo,
+        "reset": state.reset_materials,
+    }
 
     async def asked(message: DataEvent) -> None:
-        if message.data["action"] == "estimate":
-            await state.estimate_light()
-            tell_light(state.analysis)
-        else:
-            state.cancel()
+        details = dict(message.data)
+        await actions[details.pop("action")](**details)
 
-    view.on_msg(asked)
-    state.param.watch(lambda event: view.show(event.new), "analysis")
-    return view
+    return asked
 
 
 def tell_light(analysis: ToonAnalysis | None) -> None:
@@ -120,8 +153,9 @@ def drawing_picker(state: RelightState) -> pn.Column:
         # The widget changes this dictionary when the next file is dropped, which may be before this one is analyzed.
         for content in tuple(files.values()):
             shown = state.analysis
-            await state.open_file(content)
+            remarks = await state.open_file(content)
             if state.analysis is not shown:  # as it is if this was canceled, or overtaken by another drawing
+                tell_remarks(remarks)
                 tell_light(state.analysis)
 
     state.param.watch(lambda event: cards.param.update(value=event.new), "sample")
@@ -190,21 +224,25 @@ def downloads(state: RelightState) -> pn.Column:
 
 # HoloViews takes seconds to import, and the first picture does not need it: each tab imports its own, once the page
 # stands. Not in a thread, where Panel would meet modules that are only half imported.
-def _color_map_tab(box: pn.Column) -> TabMaker:
+def _color_map_tab(box: pn.Column, state: RelightState) -> TabMaker:
     from toonkit.viz.relight_page.color_maps import ColorMapsView  # noqa: PLC0415
 
     def make(shown: ToonAnalysis) -> Callable[[], None]:
-        view = ColorMapsView(shown, height=TAB_SIZE["height"])
+        numbers, selected = state.numbers, state.selected
+        chosen = str(numbers.index(selected)) if selected in numbers else ""
+        view = ColorMapsView(shown, height=TAB_SIZE["height"], chosen=chosen)
 
         def show() -> None:
             box[:] = [view]
+            for cards in box.select(ChoiceCards):
+                cards.param.watch(lambda event: state.select_place(int(event.new)), "value")
 
         return show
 
     return make
 
 
-def _normal_map_tab(box: pn.Column) -> TabMaker:
+def _normal_map_tab(box: pn.Column, _: RelightState) -> TabMaker:
     from toonkit.viz.elements import normal_map  # noqa: PLC0415
 
     def make(shown: ToonAnalysis) -> Callable[[], None]:
@@ -219,7 +257,7 @@ def _normal_map_tab(box: pn.Column) -> TabMaker:
     return make
 
 
-def _shape_tab(box: pn.Column) -> TabMaker:
+def _shape_tab(box: pn.Column, _: RelightState) -> TabMaker:
     def make(shown: ToonAnalysis) -> Callable[[], None]:
         surface = encode_surface(shown.normals, shown.image)
 
@@ -253,15 +291,22 @@ def insight(state: RelightState) -> pmui.Tabs:
             return
         filled[active] = weakref.ref(shown)
         await asyncio.sleep(PICTURE_FIRST_SECONDS)
-        make = list(TABS.values())[active](boxes[active])
+        make = list(TABS.values())[active](boxes[active], state)
         put = await asyncio.to_thread(make, shown)
         if filled[active]() is shown:
             put()
+
+    async def follow(selected: int) -> None:
+        await asyncio.sleep(PICTURE_FIRST_SECONDS)
+        if selected == state.selected and not state.step and selected in state.numbers:
+            for cards in boxes[0].select(ChoiceCards):
+                cards.value = str(state.numbers.index(selected))
 
     def loaded() -> None:
         on_screen.rx.value = True
 
     pn.bind(show, tabs.param.active, state.param.analysis, on_screen, watch=True)
+    pn.bind(follow, state.param.selected, watch=True)
     pn.state.onload(loaded)
     return tabs
 
@@ -276,7 +321,7 @@ def relight_page() -> pmui.Page:
     view = stage(state)
     page = pmui.Page(
         title="toonkit · relight a drawing",
-        main=[pn.Column(view, insight(state), margin=16, **WIDE)],
+        main=[pn.Column(view, insight(state), margin=16, styles=AS_HIGH_AS_NEEDED, **WIDE)],
         sidebar=[drawing_picker(state), method_picker(state), light_controls(state), downloads(state)],
         sidebar_width=300,
         sidebar_resizable=False,

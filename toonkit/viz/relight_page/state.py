@@ -1,13 +1,13 @@
-"""What the relight page knows: the drawing, the method, two lights. Knows no panel."""
+"""What the relight page knows: the drawing, its materials, the method, two lights. Knows no panel."""
 
 from __future__ import annotations
 
 import asyncio
-import hashlib
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from io import BytesIO
 from typing import TypeVar
 
@@ -18,10 +18,13 @@ from PIL import Image
 
 import toonkit
 from toonkit import ToonAnalysis, ToonImage
-from toonkit._validation import refuse
+from toonkit._validation import collect_warnings, refuse
 from toonkit.model.luminance import color_of_hex
 from toonkit.model.normals import encode_normal_map
 from toonkit.samples import sample_light, sample_path
+from toonkit.viz.relight_page.analyses import SAMPLES, Evidence, Kept, Question, answer, digest_of
+from toonkit.viz.relight_page.corrections import MaterialCorrections, Numbers, Version, numbers_in
+from toonkit.viz.turns import TURNS, Progress
 
 METHOD_DESCRIPTIONS = {
     "toonkit": ("toonkit", "Recommended: knows shapes, keeps the colors"),
@@ -34,30 +37,15 @@ METHOD_DESCRIPTIONS = {
 
 DEFAULT_METHOD = "toonkit"
 
-KEPT_ANALYSES = 6
-"""Analyses kept for going back to a method or a sample without waiting: of the samples, and of a visitor's own."""
-
-KEPT_PIXELS = 1_500_000
-"""Pictures larger than this are not kept: an analysis of one takes some 200 bytes a pixel."""
-
-
+KEPT_CORRECTIONS = 12
+"""Drawings of which a visitor's corrections are kept, for coming back to them."""
 MOST_FILE_BYTES = 60 * 10**6
 """Largest picture file that a visitor may open."""
 
 PROGRESS_SECONDS = 0.08
 """Pause between two progress reports: faster ones only fill the connection."""
 
-Progress = Callable[[str, float], None]
-Key = tuple[str, str, tuple[float, ...]]
 Result = TypeVar("Result")
-
-
-Kept = OrderedDict[Key, ToonAnalysis]
-
-_samples: Kept = (
-    OrderedDict()
-)  # of the samples, for all visitors; pictures of their own are kept with their state
-_at_work = threading.Lock()  # one analysis at a time: it uses every core, and numba's threads do not share
 
 
 class CancelledError(Exception):
@@ -68,13 +56,13 @@ class RelightState(param.Parameterized):
     """
     A drawing, its analysis on screen, and the light it is shown under.
 
-    `method` and `original_light` are wishes: `analyze` makes them true, or, when it fails or is
+    `method`, `original_light` and the corrected materials are wishes: `analyze` makes them true, or, when it fails or is
     cancelled, puts them back to what the analysis on screen was made with.
 
     Examples
     --------
     >>> state = RelightState()
-    >>> asyncio.run(state.open_sample("apple"))  # doctest: +SKIP
+    >>> asyncio.run(state.open_sample("duck"))  # doctest: +SKIP
     >>> state.relit_png()  # doctest: +SKIP
     """
 
@@ -91,6 +79,13 @@ class RelightState(param.Parameterized):
     light_color = param.Color("#ffffff", allow_named=False, doc="Color of the new light.")
     ambient = param.Number(0.0, bounds=(0, 1), doc="How much light comes from all sides.")
     analysis = param.Parameter(None, doc="The ToonAnalysis on screen.")
+    selected = param.Integer(-1, doc="Number of the material being looked at, as in `labels`; -1 for none.")
+    can_undo = param.Boolean(False, doc="Whether a correction of the materials can be undone.")
+    can_redo = param.Boolean(False, doc="Whether one can be done again.")
+    corrected = param.Boolean(False, doc="Whether the materials wished for are others than those found.")
+    settled = param.Integer(
+        0, doc="How many corrections are done with: analyzed, refused, or overtaken by others."
+    )
     step = param.String("", doc='What is being computed; "" when idle.')
     fraction = param.Number(0.0, bounds=(0, 1), doc="How much of it is done.")
 
@@ -99,6 +94,9 @@ class RelightState(param.Parameterized):
         self._stop = threading.Event()
         self._turn = asyncio.Lock()
         self._own: Kept = OrderedDict()
+        self._corrections: OrderedDict[str, MaterialCorrections] = OrderedDict()
+        self._digest = ""
+        self._version: Version | None = None  # of the materials on screen; None as found
 
     async def open_sample(self, name: str) -> None:
         """Open a drawing that ships with toonkit, under its own light."""
@@ -106,23 +104,77 @@ class RelightState(param.Parameterized):
         if image is not None:
             await self._analyze(image, list(sample_light(name)), sample=name)
 
-    async def open_file(self, content: bytes) -> None:
-        """Open a picture of the user's own; its light is estimated. Raises ToonkitError for what is none, or too large."""
+    async def open_file(self, content: bytes) -> list[str]:
+        """
+        Open a picture of the user's own; its light is estimated.
+
+        Returns
+        -------
+        list of str
+            What of the file is ignored or only assumed, a line each.
+
+        Raises
+        ------
+        ToonkitError
+            If it is no picture, or too large.
+        """
         if not isinstance(content, bytes):
             raise refuse("source", "must be a picture file", "a text")
         if len(content) > MOST_FILE_BYTES:
             rule = f"must have at most {MOST_FILE_BYTES // 10**6} MB"
             raise refuse("source", rule, f"{len(content) / 10**6:.0f} MB")
-        image = await self._work("opening the drawing", lambda _: toonkit.load_image(BytesIO(content)))
-        if image is not None:
-            await self._analyze(image, None, sample="")
+        opened = await self._work("opening the drawing", lambda _: _read(content))
+        if opened is None:
+            return []
+        image, warned = opened
+        await self._analyze(image, None, sample="")
+        return warned
 
     async def analyze(self) -> None:
-        """Analyze the drawing on screen with the method and the original light now wished for."""
-        shown = self.analysis
-        if shown is None or (shown.method, _angles(shown)) == (self.method, self.original_light):
-            return
-        await self._analyze(shown.image, list(self.original_light), sample=self.sample)
+        """Analyze the drawing on screen with the method, the original light and the materials now wished for."""
+        if self.analysis is not None and self._wish != self._fulfilled:
+            await self._analyze(self.analysis.image, list(self.original_light), sample=self.sample)
+
+    @property
+    def corrections(self) -> MaterialCorrections:
+        """The materials of the drawing on screen, and what was corrected in them."""
+        return self._corrections[self._digest]
+
+    @property
+    def labels(self) -> Numbers:
+        """Number of each pixel's material on screen, shape (H, W), -1 outside: in `corrections`, not in the analysis."""
+        return self.corrections.labels_of(self._version)
+
+    @property
+    def numbers(self) -> list[int]:
+        """Numbers of the materials on screen, in the order in which the analysis has them."""
+        return [] if self.analysis is None else numbers_in(self.labels)
+
+    def select_place(self, place: int) -> None:
+        """Select a material by its place in the analysis on screen."""
+        numbers = self.numbers
+        if place < len(numbers):
+            self.selected = numbers[place]
+
+    async def merge(self, material: int, into: int) -> None:
+        """Give all of a material to another one, and analyze the drawing with it."""
+        await self._correct(lambda corrections: corrections.merge(material, into))
+
+    async def paint(self, path: Sequence[Sequence[float]], radius: float, material: int) -> None:
+        """Give what a brush covers to a material, and analyze the drawing with it: see `MaterialCorrections.paint`."""
+        await self._correct(lambda corrections: corrections.paint(path, radius, material))
+
+    async def undo(self) -> None:
+        """Take the last correction back."""
+        await self._correct(MaterialCorrections.undo)
+
+    async def redo(self) -> None:
+        """Do again what was taken back last."""
+        await self._correct(MaterialCorrections.redo)
+
+    async def reset_materials(self) -> None:
+        """Return to the materials that were found."""
+        await self._correct(MaterialCorrections.reset)
 
     async def estimate_light(self) -> None:
         """Let toonkit find the artist's light, and analyze the drawing under it."""
@@ -137,6 +189,7 @@ class RelightState(param.Parameterized):
         """End what is under way, and let go of everything large: the visitor has left."""
         self.cancel()
         self._own.clear()
+        self._corrections.clear()
         with param.parameterized.discard_events(self):
             self.analysis = None
 
@@ -162,24 +215,75 @@ class RelightState(param.Parameterized):
         coverage = np.where(normals.mask, 255, 0).astype(np.uint8)
         return _png_file(np.dstack([encode_normal_map(normals), coverage]))
 
-    async def _analyze(self, image: ToonImage, angles: list[float] | None, *, sample: str) -> None:
-        method = self.method
-        key = (_digest(image), method, tuple(angles or ()))
-        kept = _samples if sample else self._own
-        analysis = kept.get(key)
-        if analysis is None:
-            shown = self.analysis
-            previous = shown if shown is not None and shown.image is image else None
-            analysis = await self._work(
-                "reading the drawing", lambda progress: _analyze_once(key, image, progress, previous, kept)
-            )
-        else:
-            self.cancel()
-        if analysis is not None:
-            self.param.update(sample=sample, analysis=analysis, original_light=_angles(analysis))
+    @property
+    def _wish(self) -> tuple[object, ...]:
+        return self.method, self.original_light, self.corrections.version
 
-    async def _work(self, step: str, task: Callable[[Progress], Result]) -> Result | None:
-        """Run a task in a thread. None if it was cancelled or overtaken; what it raises is raised here."""
+    @property
+    def _fulfilled(self) -> tuple[object, ...]:
+        return self.analysis.method, _angles(self.analysis), self._version
+
+    async def _correct(self, change: Callable[[MaterialCorrections], None]) -> None:
+        if self.analysis is None:
+            return
+        try:
+            change(self.corrections)
+            self._show_corrections()
+            if self._wish == self._fulfilled:
+                self.cancel()  # back at what is on screen, while something else was on its way
+            await self.analyze()
+        finally:
+            self.settled += 1
+
+    def _show_corrections(self) -> None:
+        corrections = self.corrections
+        corrected = corrections.version is not None
+        self.param.update(can_undo=corrections.can_undo, can_redo=corrections.can_redo, corrected=corrected)
+
+    async def _analyze(self, image: ToonImage, angles: list[float] | None, *, sample: str) -> None:
+        shown = self.analysis if self.analysis is not None and self.analysis.image is image else None
+        digest = digest_of(image) if shown is None else self._digest
+        corrections = self._corrections.get(digest)
+        version = None if corrections is None else corrections.version
+        question = Question(digest, self.method, tuple(angles or ()), version)
+        kept = SAMPLES if sample and version is None else self._own
+        analysis = kept.get(question)
+        if analysis is not None:
+            self.cancel()
+        else:
+            evidence = Evidence(image)
+            if shown is not None and version == self._version:
+                evidence = Evidence(image, previous=shown)
+            elif corrections is not None and version is not None:
+                evidence = Evidence(image if shown is None else shown.drawing, corrections.labels)
+            analysis = await self._work(
+                "reading the drawing", lambda progress: answer(question, evidence, progress, kept), waits=True
+            )
+        if analysis is not None:
+            self._put_on_screen(question, analysis, sample)
+
+    def _put_on_screen(self, question: Question, analysis: ToonAnalysis, sample: str) -> None:
+        digest = question.digest
+        if digest not in self._corrections:
+            self._corrections[digest] = MaterialCorrections(analysis.materials.labels)
+            while len(self._corrections) > KEPT_CORRECTIONS:
+                self._corrections.popitem(last=False)
+        selected = self.selected if digest == self._digest else -1
+        self._digest, self._version = digest, question.version
+        self._show_corrections()
+        angles = _angles(analysis)
+        if question in self._own:  # a light that was estimated is one that is given from now on
+            self._own.setdefault(replace(question, angles=tuple(angles)), analysis)
+        self.param.update(sample=sample, analysis=analysis, original_light=angles, selected=selected)
+
+    async def _work(
+        self, step: str, task: Callable[[Progress], Result], *, waits: bool = False
+    ) -> Result | None:
+        """
+        Run a task in a thread; None if it was cancelled or overtaken. What it raises is raised here.
+
+        A task that waits for its turn does so in a thread for that, and keeps none from those that do not.
+        """
         self._stop.set()  # a newer wish ends the computation of an older one
         stop = self._stop = threading.Event()
         async with self._turn:
@@ -187,7 +291,10 @@ class RelightState(param.Parameterized):
                 return None
             self.param.update(step=step, fraction=0.0)
             try:
-                result = await asyncio.to_thread(task, self._progress(stop))
+                loop = asyncio.get_running_loop()
+                result = await loop.run_in_executor(
+                    TURNS.threads if waits else None, task, self._progress(stop)
+                )
             except CancelledError:
                 result = None
             except BaseException:
@@ -227,45 +334,25 @@ class RelightState(param.Parameterized):
         """Take back wishes that were not fulfilled."""
         if self.analysis is not None:
             self.param.update(method=self.analysis.method, original_light=_angles(self.analysis))
+            self.corrections.restore(self._version)
+            self._show_corrections()
 
 
 def prepare_sample(name: str) -> None:
     """Analyze a sample ahead of time, so that the next page to open it need not wait."""
     image = toonkit.load_image(sample_path(name))
-    key = (_digest(image), DEFAULT_METHOD, sample_light(name))
-    _analyze_once(key, image, lambda _step, _fraction: None, None, _samples)
+    question = Question(digest_of(image), DEFAULT_METHOD, sample_light(name))
+    answer(question, Evidence(image), lambda _step, _fraction: None, SAMPLES)
 
 
-def _analyze_once(
-    key: Key, image: ToonImage, progress: Progress, previous: ToonAnalysis | None, kept: Kept
-) -> ToonAnalysis:
-    """Analyze a picture, from an earlier answer if there is one, or wait for whoever is analyzing it already."""
-    while not _at_work.acquire(timeout=PROGRESS_SECONDS):
-        progress("waiting for another drawing", 0.0)
-    try:
-        if key not in kept:
-            _, method, angles = key
-            light = toonkit.light_direction(*angles) if angles else None
-            analysis = toonkit.analyze(image, light, method=method, previous=previous, progress=progress)
-            if image.mask.size > KEPT_PIXELS:
-                return analysis
-            kept[key] = analysis
-            while len(kept) > KEPT_ANALYSES:
-                kept.popitem(last=False)
-        return kept[key]
-    finally:
-        _at_work.release()
+def _read(content: bytes) -> tuple[ToonImage, list[str]]:
+    with collect_warnings() as warned:
+        return toonkit.load_image(BytesIO(content)), warned
 
 
 def _angles(analysis: ToonAnalysis) -> list[float]:
     """Azimuth and elevation of the light of an analysis, rounded to what a slider can tell apart."""
     return [round(angle, 3) for angle in toonkit.light_angles(analysis.light)]
-
-
-def _digest(image: ToonImage) -> str:
-    content = hashlib.blake2b(np.ascontiguousarray(image.color).tobytes(), digest_size=16)
-    content.update(np.ascontiguousarray(image.alpha).tobytes())
-    return content.hexdigest()
 
 
 def _png_file(pixels: NDArray[np.unsignedinteger]) -> BytesIO:

@@ -1,11 +1,12 @@
 """The relight view: a drawing beside its relit picture, both with a light to drag (WebGL2, in the browser).
 
-A drag never waits for Python: the fragment shader in `view.js` evaluates the formula of
+A drag never waits for Python: the fragment shader in `shader.js` evaluates the formula of
 `toonkit.relighting`, and the light is sent back ten times a second. Where WebGL2 is missing, Python paints.
 """
 
 from __future__ import annotations
 
+import zlib
 from dataclasses import asdict
 from io import BytesIO
 from pathlib import Path
@@ -23,16 +24,24 @@ from toonkit.model.luminance import color_of_hex
 from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, FULL_TURN, HIGHLIGHT_RANGE, relight
 from toonkit.viz.relight_page.textures import encode_textures
 
+MODULES = ("shader.js", "light_card.js", "label_map.js", "materials_editor.js", "view_style.js", "view.js")
+"""Parts of the one JavaScript module, in order: a module that imports others would have to be served from somewhere."""
+
 TEXTURES = ("color", "normals", "parts", "mixtures", "color_maps", "materials", "ramps")
 """Parameters that hold what `RelightTextures` describes."""
+
+
+def _joined(names: tuple[str, ...]) -> str:
+    return "\n".join(Path(__file__).with_name(name).read_text(encoding="utf-8") for name in names)
 
 
 class RelightView(pn.custom.JSComponent):
     """
     The picture as drawn and as relit, with light balls and sliders.
 
-    Call `show` with each new analysis. `on_msg` delivers what its buttons ask for:
-    `{"action": "estimate"}` and `{"action": "cancel"}`.
+    Call `show` with each new analysis. `on_msg` delivers what its user asks for: `{"action": "estimate"}`, `cancel`,
+    `undo`, `redo`, `reset`, `merge` with `material` and `into`, and `paint` with `path`, `radius` and `material`, as
+    `MaterialCorrections` takes them. Each of the last five is answered by one more in `settled`.
 
     Examples
     --------
@@ -75,26 +84,51 @@ class RelightView(pn.custom.JSComponent):
     webgl = param.Boolean(True, doc="Whether the browser has WebGL2; told by the browser.")
     fallback_picture = param.Bytes(b"", doc="PNG of the relit picture, only without WebGL2.")
 
-    _esm = Path(__file__).with_name("view.js")
+    labels = param.Bytes(
+        b"", doc="Number of each pixel's material, 0xffff outside the object: uint16, deflated."
+    )
+    selected = param.Integer(-1, doc="Number of the chosen material; -1 for none.")
+    can_undo = param.Boolean(False, doc="Whether a correction can be undone.")
+    can_redo = param.Boolean(False, doc="Whether one can be done again.")
+    corrected = param.Boolean(False, doc="Whether there is anything to reset.")
+    settled = param.Integer(0, doc="How many of the corrections that were asked for are done with.")
+
+    _esm = _joined(MODULES)
 
     def __init__(self, **params: Any) -> None:
         self._analysis: ToonAnalysis | None = None
         super().__init__(**{"sizing_mode": "stretch_width", **params})
 
-    def show(self, analysis: ToonAnalysis) -> None:
-        """Put an analysis on screen; the new light stays where it is."""
+    def show(self, analysis: ToonAnalysis, labels: NDArray[np.integer] | None = None) -> None:
+        """
+        Put an analysis on screen; the new light stays where it is.
+
+        Parameters
+        ----------
+        analysis : ToonAnalysis
+            Any method's result.
+        labels : ndarray of int, shape (H, W), optional
+            Other numbers for its materials, in the same order, -1 outside the object.
+        """
         self._analysis = analysis
+        labels = analysis.materials.labels if labels is None else labels
         textures = asdict(encode_textures(analysis, keep_detail=self.keep_detail))
         size = [textures.pop("width"), textures.pop("height")]
         angles = list(textures.pop("analyzed_light"))
-        self.param.update(**textures, picture_size=size, analyzed_light=angles, original_light=angles)
+        self.param.update(
+            **textures,
+            labels=zlib.compress(labels.astype("<i2").tobytes(), 1),  # a few kilobytes
+            picture_size=size,
+            analyzed_light=angles,
+            original_light=[round(angle, 3) for angle in angles],  # as RelightState has it
+        )
         self._paint()
 
     def close(self) -> None:
         """Let go of the analysis and its textures: nobody looks any more."""
         self._analysis = None
         with param.parameterized.discard_events(self):
-            self.param.update(dict.fromkeys(TEXTURES, b""), fallback_picture=b"")
+            self.param.update(dict.fromkeys((*TEXTURES, "labels"), b""), fallback_picture=b"")
 
     @param.depends("keep_detail", watch=True)
     def _take_palette(self) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import time
 from pathlib import Path
 
 import panel as pn
@@ -13,7 +12,7 @@ import param
 from toonkit._validation import ToonkitError
 from toonkit.study.table import load_trials, settings_of
 from toonkit.viz.choice_cards import ChoiceCards, text_choices
-from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading
+from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading, plain, send_unsent
 from toonkit.viz.session_end import free_when_left
 from toonkit.viz.study_page.elements import live_heat_map
 from toonkit.viz.study_page.examination import Examination
@@ -22,18 +21,14 @@ from toonkit.viz.study_page.sheet import SHEET_STYLE, sheet_note, trial_sheet
 from toonkit.viz.study_page.state import StudyState
 
 LINE = "1px solid color-mix(in srgb, var(--panel-on-surface-color) 16%, transparent)"
-UNSENT_SECONDS = 0.3
-"""Panel 1.9 can leave an update unsent that was made while another one was on its way, until the next one: so long after a
-sheet one follows that changes nothing on screen."""
-
 FRAME = {"border": LINE, "border-radius": "10px"}
 
 
 def heat_map_card(state: StudyState) -> pn.Column:
     """Return the heat map; a click on a cell selects its trial."""
     shown = [state.param[name] for name in ("measure", "method", "versus", "light_track")]
-    title = pn.bind(lambda *_: state.matrix().title, *shown)
-    summary = pn.bind(lambda *_: state.matrix().summary, *shown)
+    title = pn.bind(lambda *_: plain(state.matrix().title), *shown)
+    summary = pn.bind(lambda *_: plain(state.matrix().summary), *shown)
     chart = pn.pane.HoloViews(live_heat_map(state), margin=(0, 8), **WIDE)
     return card(title, summary, chart)
 
@@ -57,8 +52,7 @@ def trial_card(state: StudyState) -> pn.Column:
             content = await asyncio.to_thread(trial_sheet, examination, records, measure=measure)
             if state.examination is examination:
                 sheet.object = content
-                await asyncio.sleep(UNSENT_SECONDS)
-                sheet.tags = [time.monotonic()]
+                await send_unsent(sheet)
 
     async def examine(*_: object) -> None:
         await state.examine()
@@ -66,12 +60,14 @@ def trial_card(state: StudyState) -> pn.Column:
     pn.bind(fill, state.param.examination, state.param.measure, watch=True)
     pn.bind(examine, state.param.shape, state.param.color_map, state.param.light_track, watch=True)
     title = pn.bind(
-        lambda shape, color_map: f"{spoken(shape).capitalize()} in {spoken(color_map)}",
+        lambda shape, color_map: plain(f"{spoken(shape).capitalize()} in {spoken(color_map)}"),
         state.param.shape,
         state.param.color_map,
     )
     hint = pn.bind(
-        lambda found, step: f"{step} …" if step else sheet_note(found, state.settings.size) if found else "",
+        lambda found, step: (
+            plain(f"{step} …") if step else sheet_note(found, state.settings.size) if found else ""
+        ),
         state.param.examination,
         state.param.step,
     )
@@ -156,7 +152,7 @@ def _no_study(folder: Path, error: ToonkitError) -> pmui.Alert:
     return pmui.Alert(
         f"**There is no study to show in `{folder}`.** Run one and show it:\n\n"
         "```\ntoonkit study run -o study/\ntoonkit dashboard study study/\n```\n\n"
-        f"What is wrong: {error}",
+        f"What is wrong: {plain(str(error))}",
         severity="info",
         **WIDE,
     )

@@ -18,6 +18,7 @@ from toonkit.study.reporting.cells import names_in, tracks
 from toonkit.study.trials import LightTrack, StudySettings
 from toonkit.viz.study_page.examination import EXAMINED_SIZE, Examination, examine
 from toonkit.viz.study_page.matrix import TrialMatrix, spoken, trial_matrix
+from toonkit.viz.turns import TURNS
 
 FIRST_MEASURE = "angular_error"
 FIRST_METHODS = ("toonkit", "todo")
@@ -200,7 +201,7 @@ class StudyState(param.Parameterized):
             before = self.examination
             try:
                 loop = asyncio.get_running_loop()
-                examination = await asyncio.to_thread(self._examine, key, loop, stop)
+                examination = await loop.run_in_executor(TURNS.threads, self._examine, key, loop, stop)
                 _keep(key, examination)
                 if not stop.is_set():
                     self.examination = examination
@@ -233,15 +234,16 @@ class StudyState(param.Parameterized):
             loop.call_soon_threadsafe(partial(show, examination=examination))
 
         (shape, color_map), light_track, methods, settings = key
-        return examine(
-            shape,
-            color_map,
-            methods=methods,
-            light_track=light_track,
-            settings=settings,
-            progress=progress,
-            partly=partly,
-        )
+        with TURNS.turn(progress) as limited:
+            return examine(
+                shape,
+                color_map,
+                methods=methods,
+                light_track=light_track,
+                settings=settings,
+                progress=limited,
+                partly=partly,
+            )
 
 
 def _keep(key: Key, examination: Examination) -> None:

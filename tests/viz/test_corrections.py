@@ -1,0 +1,144 @@
+"""Corrections of materials, without a page."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from toonkit import ToonkitError
+from toonkit.viz.relight_page import corrections as module
+from toonkit.viz.relight_page.corrections import MaterialCorrections
+
+
+@pytest.fixture
+def found():
+    labels = np.full((40, 60), -1)
+    labels[5:35, 5:55] = 0
+    labels[5:35, 25:55] = 1
+    labels[20:35, 25:55] = 2
+    return labels
+
+
+@pytest.fixture
+def corrections(found):
+    return MaterialCorrections(found)
+
+
+def test_what_was_found_is_the_beginning(corrections, found):
+    np.testing.assert_array_equal(corrections.labels, found)
+    assert (corrections.version, corrections.can_undo, corrections.can_redo) == (None, False, False)
+
+
+def test_a_merged_material_is_gone_and_the_others_keep_their_numbers(corrections, found):
+    corrections.merge(1, 0)
+    np.testing.assert_array_equal(corrections.labels, np.where(found == 1, 0, found))
+    assert corrections.version is not None
+
+
+def test_a_click_of_the_brush_paints_a_disc_on_the_object_alone(corrections, found):
+    corrections.paint([(10.5, 12.5)], 6.0, 2)
+    y, x = np.mgrid[:40, :60]
+    disc = (np.hypot(x - 10, y - 12) <= 6) & (found >= 0)
+    np.testing.assert_array_equal(corrections.labels, np.where(disc, 2, found))
+    assert (found[np.hypot(x - 10, y - 12) <= 6] < 0).any()
+
+
+def test_a_stroke_leaves_no_gaps_however_fast_the_hand(corrections, found):
+    corrections.paint([(-20.0, 10.5), (80.0, 10.5)], 2.0, 2)
+    assert (corrections.labels[9:12, 5:55] == 2).all()
+    assert (corrections.labels[13] == found[13]).all()
+
+
+def test_a_new_material_gets_the_next_number(corrections):
+    corrections.paint([(10, 20)], 4, 3)
+    assert set(np.unique(corrections.labels)) == {-1, 0, 1, 2, 3}
+
+
+def test_undo_and_redo_go_through_all_corrections(corrections):
+    corrections.merge(1, 0)
+    corrections.paint([(10, 20)], 4, 2)
+    last = corrections.labels
+    corrections.undo()
+    corrections.undo()
+    corrections.undo()
+    assert (corrections.version, corrections.can_undo, corrections.can_redo) == (None, False, True)
+    for _ in range(3):
+        corrections.redo()
+    np.testing.assert_array_equal(corrections.labels, last)
+    assert not corrections.can_redo
+
+
+def test_a_new_correction_ends_what_could_be_redone(corrections):
+    corrections.merge(1, 0)
+    corrections.undo()
+    corrections.merge(2, 0)
+    assert not corrections.can_redo
+    assert set(np.unique(corrections.labels)) == {-1, 0, 1}
+
+
+def test_reset_returns_to_what_was_found_and_can_be_undone(corrections, found):
+    corrections.merge(1, 0)
+    corrections.reset()
+    np.testing.assert_array_equal(corrections.labels, found)
+    assert corrections.version is None
+    corrections.undo()
+    assert corrections.version is not None
+
+
+def test_a_correction_that_changes_nothing_is_none(corrections):
+    corrections.paint([(1, 1)], 1, 0)
+    corrections.merge(1, 1)
+    corrections.reset()
+    assert not corrections.can_undo
+
+
+def test_going_back_to_a_version_keeps_what_came_after_it(corrections):
+    corrections.merge(1, 0)
+    before = corrections.version
+    corrections.merge(2, 0)
+    corrections.restore(before)
+    assert corrections.version == before
+    assert corrections.can_redo
+
+
+def test_a_version_that_was_replaced_can_be_gone_back_to(corrections):
+    corrections.merge(1, 0)
+    shown = corrections.version
+    corrections.undo()
+    corrections.merge(2, 0)
+    corrections.restore(shown)
+    assert corrections.version == shown
+    corrections.redo()
+    assert set(np.unique(corrections.labels)) == {-1, 0, 1}
+
+
+def test_after_many_corrections_the_oldest_is_forgotten_but_not_what_was_found(
+    corrections, found, monkeypatch
+):
+    monkeypatch.setattr(module, "MOST_STEPS", 5)
+    for column in range(10):
+        corrections.paint([(10 + column, 20)], 1, 2)
+    for _ in range(10):
+        corrections.undo()
+    np.testing.assert_array_equal(corrections.labels, found)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda c: c.merge(1, 7),
+        lambda c: c.merge(-1, 0),
+        lambda c: c.merge("1", 0),
+        lambda c: c.paint([(10, 10)], 3, 5),
+        lambda c: c.paint([(10, 10)], 3, -1),
+        lambda c: c.paint([(10, 10)], 0, 1),
+        lambda c: c.paint([(10, 10)], None, 1),
+        lambda c: c.paint([], 3, 1),
+        lambda c: c.paint([(np.nan, 10)], 3, 1),
+        lambda c: c.paint("path", 3, 1),
+    ],
+)
+def test_what_is_no_correction_is_refused_and_changes_nothing(corrections, change):
+    with pytest.raises(ToonkitError):
+        change(corrections)
+    assert not corrections.can_undo

@@ -1,0 +1,98 @@
+"""The analyses that the relight page asks for: made one at a time, and kept for going back to them."""
+
+from __future__ import annotations
+
+import hashlib
+from collections import OrderedDict
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+import toonkit
+from toonkit import ToonAnalysis, ToonImage
+from toonkit.estimation.preparation import PreparedDrawing
+from toonkit.viz.relight_page.corrections import Version
+from toonkit.viz.turns import TURNS, Progress
+
+KEPT_ANALYSES = 6
+"""Analyses kept for going back to a method or a sample without waiting: of the samples, and of a visitor's own."""
+
+KEPT_PIXELS = 1_500_000
+"""Pictures larger than this are not kept: an analysis of one takes some 200 bytes a pixel."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """
+    What is asked: two questions that are equal have the same answer.
+
+    Attributes
+    ----------
+    digest : str
+        That of the picture.
+    method : str
+        Name of the estimator in METHODS.
+    angles : tuple of float
+        Azimuth and elevation of the artist's light; empty to have it estimated.
+    version : bytes or None
+        Materials as `MaterialCorrections` tells them apart; None for those found.
+    """
+
+    digest: str
+    method: str
+    angles: tuple[float, ...]
+    version: Version | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """
+    What a question is answered from.
+
+    Attributes
+    ----------
+    image : ToonImage or PreparedDrawing
+        The picture, at best as it was prepared before.
+    labels : ndarray of int, shape (H, W), optional
+        Its corrected materials, if they differ from those of `previous`.
+    previous : ToonAnalysis, optional
+        An analysis of the same picture and materials to start from.
+    """
+
+    image: ToonImage | PreparedDrawing
+    labels: NDArray[np.integer] | None = None
+    previous: ToonAnalysis | None = None
+
+
+Kept = OrderedDict[Question, ToonAnalysis]
+
+SAMPLES: Kept = OrderedDict()
+"""Those of the samples, for all visitors; those of a visitor's own drawings and corrections are kept with their state."""
+
+
+def answer(question: Question, evidence: Evidence, progress: Progress, kept: Kept) -> ToonAnalysis:
+    """Analyze a picture once its turn has come, unless somebody has done so."""
+    with TURNS.turn(progress) as limited:
+        if question not in kept:
+            analysis = toonkit.analyze(
+                evidence.image,
+                toonkit.light_direction(*question.angles) if question.angles else None,
+                method=question.method,
+                materials=evidence.labels,
+                previous=evidence.previous,
+                progress=limited,
+            )
+            if analysis.image.mask.size > KEPT_PIXELS:
+                return analysis
+            kept[question] = analysis
+            while len(kept) > KEPT_ANALYSES:
+                kept.popitem(last=False)
+        return kept[question]
+
+
+def digest_of(image: ToonImage) -> str:
+    """Return what tells a picture from others, by content."""
+    content = hashlib.blake2b(np.ascontiguousarray(image.color).tobytes(), digest_size=16)
+    content.update(np.ascontiguousarray(image.alpha).tobytes())
+    return content.hexdigest()

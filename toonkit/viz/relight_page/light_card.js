@@ -1,0 +1,170 @@
+// A card of the relight view: a picture, a ball and two sliders, all moving the same light.
+
+const BALL_PIXELS = 192
+const SUN = `<svg viewBox="0 0 24 24"><circle cx="12" cy="12" r="4.5"/><path d="M12 1.5v3M12 19.5v3M1.5 12h3M19.5 12h3
+M4.6 4.6l2.1 2.1M17.3 17.3l2.1 2.1M4.6 19.4l2.1-2.1M17.3 6.7l2.1-2.1"/></svg>`
+
+const clamp = (value, low, high) => Math.min(Math.max(value, low), high)
+const radians = (degrees) => degrees * Math.PI / 180
+
+// What the sliders show of a light, whole degrees: an azimuth counts once around from the right, as on the command line.
+const shown = ([azimuth, elevation]) => [(Math.round(azimuth) + 360) % 360, Math.round(elevation)]
+
+// Beyond 180 degrees an azimuth goes on at -180, as in Python.
+const wrapped = (azimuth) => azimuth > 180 ? azimuth - 360 : azimuth
+
+function direction([azimuth, elevation]) {
+  const [a, e] = [radians(azimuth), radians(elevation)]
+  return [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)]
+}
+
+// The light whose reflection direction on a sphere lies under (x, y) of the unit disc; outside it, at the rim.
+function anglesUnder(x, y, previousAzimuth) {
+  const radius = Math.hypot(x, y)
+  const azimuth = radius > 1e-3 ? Math.atan2(y, x) * 180 / Math.PI : previousAzimuth
+  return [azimuth, Math.acos(Math.min(radius, 1)) * 180 / Math.PI]
+}
+
+// The color map that a ball shows, samples and domain: that of the largest material whose shading was painted.
+function shownMap(maps, materials) {
+  const count = materials.length / 8
+  const row = Math.max([...Array(count).keys()].findIndex((number) => materials[8 * number + 3] === 0), 0)
+  const start = row * maps.length / count
+  return [maps.subarray(start, start + 4 * (materials[8 * row + 2] + 1)), materials.subarray(8 * row, 8 * row + 2)]
+}
+
+// The light ball: M(L · N) on a hemisphere. Few pixels, so without a second graphics context, which costs more.
+function ballPainter(canvas) {
+  const [size, radius, steps] = [BALL_PIXELS, BALL_PIXELS / 2 - 1, 1024]
+  canvas.width = canvas.height = size
+  const context = canvas.getContext("2d")
+  const image = new ImageData(size, size)
+  const vectors = new Float32Array(size * size * 3)
+  const table = new Uint8ClampedArray(steps * 3)  // M over illumination -1 to 1
+  let loaded = false
+  for (let pixel = 0; pixel < size * size; pixel++) {
+    const x = (pixel % size + 0.5 - size / 2) / radius
+    const y = (size / 2 - Math.floor(pixel / size) - 0.5) / radius
+    const r = Math.hypot(x, y)
+    vectors.set([x / Math.max(r, 1), y / Math.max(r, 1), Math.sqrt(Math.max(0, 1 - r * r))], 3 * pixel)
+    image.data[4 * pixel + 3] = 255 * clamp((1 - r) * radius + 0.5, 0, 1)
+  }
+  return {
+    load(map, [low, high]) {
+      const last = map.length / 4 - 1
+      for (let step = 0; step < steps; step++) {
+        const t = clamp(((2 * step / (steps - 1) - 1) - low) / (high - low), 0, 1) * last
+        const start = Math.max(Math.min(Math.floor(t), last - 1), 0)
+        const [a, b] = [4 * start, 4 * Math.min(start + 1, last)]
+        for (let k = 0; k < 3; k++) { table[3 * step + k] = 255 * (map[a + k] + (t - start) * (map[b + k] - map[a + k])) }
+      }
+      loaded = true
+    },
+    draw([lx, ly, lz]) {
+      if (!loaded) { return }
+      const half = (steps - 1) / 2
+      for (let pixel = 0, v = 0, c = 0; pixel < size * size; pixel++, v += 3, c += 4) {
+        const t = 3 * Math.round((lx * vectors[v] + ly * vectors[v + 1] + lz * vectors[v + 2] + 1) * half)
+        image.data[c] = table[t]
+        image.data[c + 1] = table[t + 1]
+        image.data[c + 2] = table[t + 2]
+      }
+      context.putImageData(image, 0, 0)
+    },
+  }
+}
+
+function element(parent, tag, className, html = "") {
+  const node = document.createElement(tag)
+  node.className = className
+  node.innerHTML = html
+  parent.append(node)
+  return node
+}
+
+// One card: a picture, a ball, two sliders, all moving the same light.
+function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
+  const card = element(parent, "section", `card ${name}`)
+  element(card, "header", "", `<h2>${title}</h2><p>${hint}</p>`)
+  const stage = element(card, "div", "stage")
+  const picture = element(stage, "canvas", "picture")
+  const pictureImage = element(stage, "img", "picture stand-in")
+  const sun = element(stage, "div", "sun", SUN)
+  const controls = element(card, "div", "controls")
+  const ballBox = element(controls, "div", "ball-box")
+  const ball = element(ballBox, "canvas", "ball")
+  const dot = element(ballBox, "div", "dot")
+  const right = element(controls, "div", "right")
+  const sliders = [["Azimuth", 0, 359], ["Elevation", 0, 90]].map(([label, min, max]) => {
+    const row = element(right, "label", "slider", `<span>${label}</span>
+      <input type="range" min="${min}" max="${max}" step="1" aria-label="${title}: ${label.toLowerCase()} in degrees"><output></output>`)
+    return {input: row.querySelector("input"), output: row.querySelector("output")}
+  })
+  const buttons = element(right, "div", "buttons")
+  pictureImage.alt = ""
+  pictureImage.draggable = false
+  ball.setAttribute("aria-label", `${title}: drag to move the light`)
+
+  let half = 0
+  function measure() { half = Math.min(stage.clientWidth, stage.clientHeight) / 2 }
+
+  function show(next) {
+    angles = next
+    const [x, y] = direction(angles)
+    sun.style.transform = `translate(${x * (half - 16)}px, ${-y * (half - 16)}px)`
+    dot.style.transform = `translate(${x * 46}%, ${-y * 46}%)`
+    const values = shown(angles)
+    sliders.forEach(({input, output}, index) => {
+      const text = `${values[index]}°`
+      if (output.textContent === text) { return }
+      input.value = values[index]
+      output.textContent = text
+    })
+  }
+
+  const dragging = () => card.classList.contains("dragging")
+
+  function draggable(area, inset) {
+    const move = (event) => {
+      const box = area.getBoundingClientRect()
+      const radius = Math.min(box.width, box.height) / 2 - inset
+      const x = (event.clientX - box.left - box.width / 2) / radius
+      const y = (box.top + box.height / 2 - event.clientY) / radius
+      onMove(anglesUnder(x, y, angles[0]))
+    }
+    area.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0 || card.classList.contains("editing")) { return }
+      event.preventDefault()
+      area.setPointerCapture(event.pointerId)
+      card.classList.add("dragging")
+      move(event)
+    })
+    area.addEventListener("pointermove", (event) => { if (dragging() && area.hasPointerCapture(event.pointerId)) { move(event) } })
+    for (const end of ["pointerup", "pointercancel"]) {
+      area.addEventListener(end, (event) => {
+        if (!dragging() || !area.hasPointerCapture(event.pointerId)) { return }
+        area.releasePointerCapture(event.pointerId)
+        card.classList.remove("dragging")
+        onRelease()
+      })
+    }
+  }
+  draggable(stage, 16)
+  draggable(ballBox, 4)
+  sliders.forEach(({input}, index) => {
+    input.addEventListener("input", () => {
+      const value = Number(input.value)
+      onMove(index === 0 ? [wrapped(value), angles[1]] : [angles[0], value])
+    })
+    input.addEventListener("change", onRelease)
+  })
+
+  function button(text, tip, onClick) {
+    const node = element(buttons, "button", "", text)
+    node.type = "button"
+    node.title = tip
+    node.addEventListener("click", onClick)
+    return node
+  }
+  return {card, stage, picture, pictureImage, ball, measure, show, button}
+}
