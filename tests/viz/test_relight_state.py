@@ -239,6 +239,15 @@ def test_a_number_is_kept_where_another_material_is_gone(motley):
     assert motley.analysis.materials.count == 1
 
 
+def test_a_selected_material_is_known_by_its_place_in_the_analysis(motley):
+    run(motley.merge(1, 0))
+    motley.select_place(1)
+    assert motley.selected == 2
+    assert motley.selected_place == "1"
+    motley.selected = 1
+    assert motley.selected_place == ""
+
+
 def test_another_light_and_another_method_keep_the_corrections(motley):
     run(motley.merge(2, 0))
     motley.original_light = [77.0, 33.0]

@@ -228,12 +228,11 @@ def _color_map_tab(box: pn.Column, state: RelightState) -> TabMaker:
     from toonkit.viz.relight_page.color_maps import ColorMapsView  # noqa: PLC0415
 
     def make(shown: ToonAnalysis) -> Callable[[], None]:
-        numbers, selected = state.numbers, state.selected
-        chosen = str(numbers.index(selected)) if selected in numbers else ""
-        view = ColorMapsView(shown, height=TAB_SIZE["height"], chosen=chosen)
+        view = ColorMapsView(shown, height=TAB_SIZE["height"], chosen=state.selected_place)
 
         def show() -> None:
             box[:] = [view]
+            view.chosen = state.selected_place or view.chosen  # another may be selected by now
             for cards in box.select(ChoiceCards):
                 cards.param.watch(lambda event: state.select_place(int(event.new)), "value")
 
@@ -298,9 +297,9 @@ def insight(state: RelightState) -> pmui.Tabs:
 
     async def follow(selected: int) -> None:
         await asyncio.sleep(PICTURE_FIRST_SECONDS)
-        if selected == state.selected and not state.step and selected in state.numbers:
+        if selected == state.selected and not state.step:
             for cards in boxes[0].select(ChoiceCards):
-                cards.value = str(state.numbers.index(selected))
+                cards.value = state.selected_place or cards.value
 
     def loaded() -> None:
         on_screen.rx.value = True

@@ -150,6 +150,12 @@ class RelightState(param.Parameterized):
         """Numbers of the materials on screen, in the order in which the analysis has them."""
         return [] if self.analysis is None else numbers_in(self.labels)
 
+    @property
+    def selected_place(self) -> str:
+        """Place of the selected material in the analysis on screen, as a text; empty if none of its materials is."""
+        numbers = self.numbers
+        return str(numbers.index(self.selected)) if self.selected in numbers else ""
+
     def select_place(self, place: int) -> None:
         """Select a material by its place in the analysis on screen."""
         numbers = self.numbers
