@@ -168,15 +168,16 @@ def test_translucent_pixels_beside_pixel_art_keep_to_the_palette(large):
 
 
 def test_a_flat_material_takes_the_shadow_that_the_drawing_has_for_it():
-    """Yellow beside orange, as painters shade gold; the green beside them is no shadow of either."""
+    """Yellow beside ocher, as painters shade gold; the green and the orange beside them are shadows of neither."""
     color = np.zeros((16, 24, 3))
     color[:, :10] = np.array((250, 208, 81)) / 255
-    color[:, 10:17] = np.array((241, 128, 64)) / 255
+    color[:, 10:17] = np.array((214, 158, 64)) / 255
     color[:, 17:] = np.array((40, 160, 80)) / 255
+    color[:8, 17:] = np.array((241, 128, 60)) / 255
     gold = analyze(
         ToonImage(color, np.ones((16, 24), bool)),
         (130, 45),
-        materials=np.digitize(color[..., 2], [0.3, 0.315]),
+        materials=np.digitize(color[..., 2], [0.24, 0.3, 0.315]),
     )
     assert gold.materials.flat.all()
     yellow = gold.materials.labels[0, 0]

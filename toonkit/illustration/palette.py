@@ -47,6 +47,10 @@ MOST_COLORS = 256
 SHADOW_COST = 2.1
 """Cost up to which a color may be a shade of another: more than for tones of one material, for these shadows turn in hue."""
 
+SHADOW_TURN = 0.05, 0.25
+"""OKLab distance of a shadow from the line from gray through the lit color at most, and how much this grows with its chroma:
+beyond, it looks like another material's."""
+
 SHADOW_APART = 0.12
 """OKLab distance up to which a color of the palette stands for the shadow that a flat material should have."""
 
@@ -155,6 +159,10 @@ def _shadow(lit: FloatArray, wanted: FloatArray, shades: FloatArray) -> FloatArr
     lab = srgb_to_oklab(np.concatenate([lit[None], shades]))
     could_be = (shade_cost(lab)[0] <= SHADOW_COST) & ~out_of_range(lab)[0]
     could_be &= lab[:, 0] < lab[0, 0] - LEAST_STEP
+    lit_chroma = np.linalg.norm(lab[0, 1:])
+    along = np.maximum(lab[:, 1:] @ lab[0, 1:] / max(lit_chroma, 1e-12) ** 2, 0.0)
+    turned = np.linalg.norm(lab[:, 1:] - along[:, None] * lab[0, 1:], axis=1)
+    could_be &= turned <= SHADOW_TURN[0] + SHADOW_TURN[1] * lit_chroma
     away = np.where(could_be, np.linalg.norm(lab - srgb_to_oklab(wanted), axis=-1), np.inf)
     nearest = int(away.argmin())
     return shades[nearest - 1] if away[nearest] < SHADOW_APART else None
