@@ -16,6 +16,7 @@ from urllib.request import urlopen
 
 import numpy as np
 import pytest
+from playwright.sync_api import expect
 
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.contestants import contestants
@@ -137,6 +138,7 @@ def wait_until_served(url, server, log):
 def complaints(page):
     """What the page complained about: errors, and requests that left this machine. Checked after the test."""
     page.set_default_timeout(PATIENCE_SECONDS * 1000)
+    expect.set_options(timeout=PATIENCE_SECONDS * 1000)
     heard: list[str] = []
     page.on("pageerror", lambda error: heard.append(f"page error: {error}"))
     page.on("console", lambda message: heard.append(message.text) if message.type == "error" else None)

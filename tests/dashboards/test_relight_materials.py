@@ -68,6 +68,7 @@ def place(page, share):
 
 
 def middle(locator):
+    locator.wait_for()  # swatches are made anew with each answer
     box = locator.bounding_box()
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 

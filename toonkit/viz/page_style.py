@@ -18,9 +18,9 @@ ACCENT = "#e07a1f"
 WIDE: dict[str, Any] = {"sizing_mode": "stretch_width"}
 NOTIFICATION_MILLISECONDS = 9000
 
-UNSENT_SECONDS = 0.3
-"""Panel 1.9 can leave an update unsent that was made while another one was on its way, until the next one: so long after it
-one follows that changes nothing on screen."""
+UNSENT_SECONDS = 0.3, 1.5, 5.0
+"""Panel 1.9 can leave an update unsent that was made while another one was on its way, until the next one: after these pauses
+some follow that change nothing on screen. The later ones are for large updates to a busy machine."""
 
 _BAR = {"backgroundColor": "#17181b", "color": "#f4f2ee", "boxShadow": "none"}
 THEME: dict[str, Any] = {
@@ -62,5 +62,6 @@ def heading(text: str) -> pmui.Typography:
 
 async def send_unsent(component: pn.viewable.Viewable) -> None:
     """Make sure that the last update of a component arrives."""
-    await asyncio.sleep(UNSENT_SECONDS)
-    component.tags = [time.monotonic()]
+    for pause in UNSENT_SECONDS:
+        await asyncio.sleep(pause)
+        component.tags = [time.monotonic()]
