@@ -19,8 +19,8 @@ WIDE: dict[str, Any] = {"sizing_mode": "stretch_width"}
 NOTIFICATION_MILLISECONDS = 9000
 
 UNSENT_SECONDS = 0.3, 1.5, 5.0
-"""Panel 1.9 can leave an update unsent that was made while another one was on its way, until the next one: after these pauses
-some follow that change nothing on screen. The later ones are for large updates to a busy machine."""
+"""Panel 1.9 can leave an update unsent that was made while another one was on its way, until the next one: after these
+pauses some follow that change nothing on screen. The later ones are for large updates on a busy machine."""
 
 _BAR = {"backgroundColor": "#17181b", "color": "#f4f2ee", "boxShadow": "none"}
 THEME: dict[str, Any] = {
