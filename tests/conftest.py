@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from hypothesis import settings
+from xdist.scheduler import LoadScopeScheduling
 
 ON_CI = os.environ.get("CI", "").lower() not in ("", "0", "false")
 
@@ -32,13 +33,19 @@ def _forbid_skip(report: pytest.TestReport | pytest.CollectReport) -> None:
         report.longrepr = f"CI may not skip {report.nodeid}: {reason}"
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Keep the tests of a file, and all that drive a browser, in one process: two browsers at once are too slow."""
-    for item in items:
-        folder = item.path.parent.name
-        item.add_marker(
-            pytest.mark.xdist_group(folder if folder == "dashboards" else item.nodeid.partition("::")[0])
-        )
+class _FileByFile(LoadScopeScheduling):
+    """Keeps the tests of a file, and all that drive a browser, in one process: two browsers at once are too slow."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        file = nodeid.partition("::")[0]
+        return "dashboards" if file.startswith("tests/dashboards/") else file
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> _FileByFile:
+    """Hand out the tests in their order, since those that take longest come first: the browser's."""
+    config.option.loadscopereorder = False
+    return _FileByFile(config, log)
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
