@@ -382,7 +382,7 @@ def test_help_is_given(arguments, capsys):
             "analyze {drawing} -o {out} --materials {analyzed}/color_map.png",
             r"materials must have the size of the picture \(48, 48\); got \(32, 512\)",
         ),
-        ("analyze sample:nothing -o {out}", "drawing must be one of"),
+        ("analyze sample:nothing -o {out}", "sample must be one of"),
         ("relight {tmp} --light 30,50 -o {tmp}/relit.png", "path must be an archive of an analysis"),
         ("relight {drawing} --light 30,50 -o {tmp}/relit.png", "path must be an undamaged archive"),
         ("relight {analyzed} --light 30,50", "relight needs -o FILE"),

@@ -4,6 +4,7 @@ import pytest
 import toonkit
 from tests.analytic import LIGHT, SOFT, TWO_TONE, ellipse, painted
 from toonkit import METHODS, ToonImage, ToonkitError, analyze, angular_error, color_rmse
+from toonkit.samples import sample_path
 
 
 @pytest.fixture(scope="module")
@@ -148,3 +149,23 @@ def test_an_earlier_answer_to_another_drawing_is_refused(egg):
         analyze(image, LIGHT, previous=earlier)
     with pytest.raises(ToonkitError, match="previous must be a ToonAnalysis"):
         analyze(image, LIGHT, previous=image)
+
+
+def test_what_returns_no_analysis_is_refused(monkeypatch):
+    monkeypatch.setitem(toonkit.METHODS, "normals", lambda drawing, light, **_: drawing.initial_normals)
+    for light in ((135, 45), None):
+        with pytest.raises(ToonkitError, match=r"method must return a ToonAnalysis.*got NormalField"):
+            toonkit.analyze("sample:pear", light, method="normals")
+
+
+def test_samples_are_drawings_by_name():
+    analysis = toonkit.analyze("sample:pear", (135, 45), method="lumo")
+    assert analysis.image.shape == toonkit.load_image(sample_path("pear")).shape
+    with pytest.raises(ToonkitError, match="did you mean 'pear'"):
+        toonkit.analyze("sample:paer", (135, 45))
+
+
+def test_a_stroke_is_no_illumination():
+    image = toonkit.load_image(sample_path("pear"))
+    with pytest.raises(ToonkitError, match="extract_color_map"):
+        toonkit.fit_color_map(image, image.mask)

@@ -21,11 +21,10 @@ from toonkit.cli.lights import parse_color, parse_light
 from toonkit.cli.progress import StepBar, show_warning
 from toonkit.cli.streams import complain, discard_output, prepare_streams
 from toonkit.cli.study import add_study_commands
+from toonkit.samples import PREFIX, drawing_path
 
 if TYPE_CHECKING:
     from toonkit.analysis import ToonAnalysis
-
-SAMPLE_PREFIX = "sample:"
 
 UNSURE = 0.5
 """Confidence in an estimated light below which the summary says that it is a guess."""
@@ -110,9 +109,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND", title="commands")
 
     analyze = commands.add_parser("analyze", help="take a drawing apart into light, shape and colors")
-    analyze.add_argument(
-        "drawing", help=f"picture file, or {SAMPLE_PREFIX}NAME for a drawing that toonkit ships"
-    )
+    analyze.add_argument("drawing", help=f"picture file, or {PREFIX}NAME for a drawing that toonkit ships")
     analyze.add_argument(
         "-o", "--out", required=True, metavar="FOLDER", help="where to write; created if need be"
     )
@@ -217,7 +214,7 @@ def _joined_lights(argv: Sequence[str]) -> list[str]:
 def _analyze(arguments: argparse.Namespace) -> int:
     work = DrawingWork(
         arguments.drawing,
-        Path(_drawing(arguments.drawing)),
+        Path(drawing_path(arguments.drawing)),
         arguments.light,
         arguments.method,
         arguments.engine,
@@ -327,16 +324,5 @@ def _samples(_: argparse.Namespace) -> int:
     width = max(len(name) for name in names)
     for name in names:
         print(f"{name:<{width}}  {samples.sample_path(name)}")
-    print(f"\ntry: toonkit analyze {SAMPLE_PREFIX}{names[0]} -o out/")
+    print(f"\ntry: toonkit analyze {PREFIX}{names[0]} -o out/")
     return 0
-
-
-def _drawing(name: str) -> str | Path:
-    if not name.startswith(SAMPLE_PREFIX):
-        return name
-    from toonkit import samples  # noqa: PLC0415
-
-    sample, names = name.removeprefix(SAMPLE_PREFIX), samples.sample_names()
-    if sample not in names:
-        raise refuse("drawing", f"must be one of {', '.join(names)} after {SAMPLE_PREFIX}", repr(sample))
-    return Path(samples.sample_path(sample))

@@ -233,6 +233,8 @@ def painted_interval(
 
 def _on_object(illumination: ArrayLike, drawing: PreparedDrawing) -> FloatArray:
     """Check an illumination (H, W), and return that of the object's pixels (P,)."""
+    if getattr(illumination, "dtype", None) == np.bool_:
+        raise refuse("illumination", "must be numbers; `extract_color_map` takes a stroke", "bool")
     values = as_array("illumination", illumination, (None, None))
     same_shape("illumination", values.shape, drawing.mask.shape, "the picture")
     inside = values[drawing.mask]

@@ -159,8 +159,8 @@ def _shadow(lit: FloatArray, wanted: FloatArray, shades: FloatArray) -> FloatArr
     lab = srgb_to_oklab(np.concatenate([lit[None], shades]))
     could_be = (shade_cost(lab)[0] <= SHADOW_COST) & ~out_of_range(lab)[0]
     could_be &= lab[:, 0] < lab[0, 0] - LEAST_STEP
-    lit_chroma = np.linalg.norm(lab[0, 1:])
-    along = np.maximum(lab[:, 1:] @ lab[0, 1:] / max(lit_chroma, 1e-12) ** 2, 0.0)
+    lit_chroma = float(np.linalg.norm(lab[0, 1:]))
+    along = np.maximum(lab[:, 1:] @ lab[0, 1:] / max(lit_chroma**2, 1e-24), 0.0)
     turned = np.linalg.norm(lab[:, 1:] - along[:, None] * lab[0, 1:], axis=1)
     could_be &= turned <= SHADOW_TURN[0] + SHADOW_TURN[1] * lit_chroma
     away = np.where(could_be, np.linalg.norm(lab - srgb_to_oklab(wanted), axis=-1), np.inf)

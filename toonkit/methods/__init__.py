@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from os import PathLike
+from os import PathLike, fspath
 from typing import Any, Protocol
 
 from numpy.typing import ArrayLike
 
-from toonkit._validation import check_callable, of_type, one_of, refuse, same_mask
+from toonkit._validation import FloatArray, check_callable, of_type, one_of, refuse, same_mask
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.light_fit import assume_light
 from toonkit.estimation.preparation import PreparedDrawing, prepare
@@ -23,10 +23,27 @@ from toonkit.model.light import direction_of
 from toonkit.model.loading import load_image
 from toonkit.model.materials import Materials
 from toonkit.numerics.bands import single_threaded_blas
+from toonkit.samples import drawing_path
 
 
 class Method(Protocol):
-    """An estimator: from a drawing and its light to an analysis."""
+    """
+    An estimator: from a drawing and its light to an analysis.
+
+    Examples
+    --------
+    A method of one's own finds normals, and ends as all do: with the color maps that fit them.
+
+    >>> import toonkit
+    >>> def inflated(drawing, light, *, previous=None, progress=None):
+    ...     normals = drawing.initial_normals
+    ...     materials = toonkit.fit_color_maps(drawing, toonkit.illumination(normals, light))
+    ...     return toonkit.ToonAnalysis(drawing, "inflated", light, normals, normals, materials)
+    >>> toonkit.METHODS["inflated"] = inflated
+    >>> toonkit.analyze("sample:pear", (135, 45), method="inflated").method
+    'inflated'
+    >>> del toonkit.METHODS["inflated"]
+    """
 
     def __call__(
         self,
@@ -70,12 +87,12 @@ def analyze(
     Parameters
     ----------
     image : ToonImage or path
-        The picture, or a file that `load_image` reads.
+        The picture, a file that `load_image` reads, or "sample:NAME" for a drawing that toonkit ships.
     light : array_like, shape (3,) or (2,), optional
         Direction from the surface to the light that the artist had in mind, or its azimuth and elevation in degrees;
         estimated if not given, and upper left where the picture does not say: see `ToonAnalysis.light_estimate`.
     method : str, optional
-        Name of an estimator in `METHODS`.
+        Name of an estimator in `METHODS`; `METHODS["name"] = function` adds one, of the kind that `Method` describes.
     materials : array_like of int, shape (H, W), or Materials, optional
         Number of the material of each pixel, 0 and up, and -1 where that is left to toonkit; ignored outside the mask.
         Found if not given.
@@ -116,7 +133,7 @@ def analyze(
         of_type("previous", previous, ToonAnalysis)
     check_callable("progress", progress)
     if isinstance(image, (str, PathLike)):
-        image = load_image(image)
+        image = load_image(drawing_path(fspath(image)))
     direction = None if light is None else direction_of("light", light)
     if previous is not None and previous.image is image and materials is None:
         drawing = previous.drawing
@@ -133,9 +150,24 @@ def analyze(
     options: dict[str, Any] = {} if previous is None else {"previous": previous}
     with single_threaded_blas():
         if direction is not None:
-            return METHODS[method](drawing, direction, progress=progress, **options)
+            return _analyzed(method, drawing, direction, progress, options)
         if progress is not None:
             progress("estimating the light", 0.0)
         estimate = assume_light(drawing)
-        analysis = METHODS[method](drawing, estimate.light, progress=progress, **options)
+        analysis = _analyzed(method, drawing, estimate.light, progress, options)
     return replace(analysis, light_estimate=estimate)
+
+
+def _analyzed(
+    method: str,
+    drawing: PreparedDrawing,
+    light: FloatArray,
+    progress: StepProgress | None,
+    options: dict[str, Any],
+) -> ToonAnalysis:
+    """Call a method, and refuse what is no analysis."""
+    analysis: object = METHODS[method](drawing, light, progress=progress, **options)
+    if not isinstance(analysis, ToonAnalysis):
+        rule = f"must return a ToonAnalysis, as help(toonkit.methods.Method) shows; {method!r} did not"
+        raise refuse("method", rule, type(analysis).__name__)
+    return analysis

@@ -113,7 +113,10 @@ class NormalField:
         self, path: str | PathLike[str], *, bits: Literal[8, 16] = 8, green: GreenAxis = "opengl"
     ) -> None:
         """
-        Write the normals as a normal map.
+        Write the normals as an opaque normal map.
+
+        `read_normal_map(path, mask=normals.mask)` reads it. One with alpha, named and made for an engine, is what
+        `toonkit.export.engines.write_engine_normal_map` writes.
 
         Parameters
         ----------

@@ -11,6 +11,9 @@ from toonkit._validation import one_of
 
 FOLDER = Path(__file__).parent
 
+PREFIX = "sample:"
+"""What a sample's name starts with where a path may stand, too."""
+
 
 def sample_names() -> tuple[str, ...]:
     """Return the names of the sample drawings, the best one to start with first."""
@@ -20,6 +23,11 @@ def sample_names() -> tuple[str, ...]:
 def sample_path(name: str) -> Path:
     """Return the path of a sample's PNG; raises `ToonkitError` for a name that is none."""
     return FOLDER / f"{_record(name)['name']}.png"
+
+
+def drawing_path(drawing: str) -> str | Path:
+    """Return the path of a sample's PNG for `sample:NAME`, and any other text as it is."""
+    return sample_path(drawing.removeprefix(PREFIX)) if drawing.startswith(PREFIX) else drawing
 
 
 def sample_title(name: str) -> str:
