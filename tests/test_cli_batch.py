@@ -111,7 +111,13 @@ def batch(folder, out, *options):
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         stderr=subprocess.PIPE,
         text=True,
+        preexec_fn=hear_interrupts,  # noqa: PLW1509 - this process has no threads that hold locks here
     )
+
+
+def hear_interrupts():
+    """Undo what a shell does to a job in the background, these tests perhaps: it does not hear Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def reports(out):

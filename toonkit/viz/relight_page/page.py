@@ -17,7 +17,7 @@ from toonkit.methods import METHODS
 from toonkit.model.light import describe_light
 from toonkit.samples import sample_names, sample_path, sample_title
 from toonkit.viz.choice_cards import ChoiceCards, picture_choices, text_choices
-from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading, send_unsent, tell_remarks
+from toonkit.viz.page_style import THEME, WIDE, after_updates, error_reporter, heading, tell_remarks
 from toonkit.viz.relight_page.height_view import HeightView, encode_surface
 from toonkit.viz.relight_page.state import METHOD_DESCRIPTIONS, RelightState, prepare_sample
 from toonkit.viz.relight_page.upload import PictureDropper
@@ -73,7 +73,7 @@ def stage(state: RelightState) -> RelightView:
 
     async def arrive(step: str, _: int) -> None:
         if not step:
-            await send_unsent(view)
+            await after_updates(lambda: view.param.update(idle=view.idle + (not state.step)))
 
     pn.bind(arrive, state.param.step, state.param.settled, watch=True)
     state.param.watch(lambda event: view.show(event.new, state.labels), "analysis")

@@ -208,6 +208,7 @@ function render({model}) {
   model.on("change:new_light", () => { if (timer === null && !orbiting) { light = [...model.new_light]; schedule() } })
   for (const name of ["keep_detail", "flat_shading", "detail_range", "detail_size", "highlight_range", "full_turn", "light_color", "ambient"]) { model.on(`change:${name}`, schedule) }
   for (const name of ["step", "fraction"]) { model.on(`change:${name}`, showProgress) }
+  model.on("change:idle", () => busy.classList.remove("on"))
   for (const name of [
     "color", "normals", "parts", "mixtures", "color_maps", "materials", "ramps", "picture_size", "analyzed_light", "labels",
   ]) {

@@ -61,6 +61,9 @@ class RelightView(pn.custom.JSComponent):
     ambient = param.Number(0.0, bounds=(0, 1), doc="How much light comes from all sides.")
     step = param.String("", doc='What is being computed; "" when idle.')
     fraction = param.Number(0.0, bounds=(0, 1), doc="How much of it is done.")
+    idle = param.Integer(
+        0, doc="Grows while nothing is computed: an update of `step` may come after one made later."
+    )
 
     color = param.Bytes(b"", doc="RGBA8 texture: see RelightTextures, as for the next ones.")
     normals = param.Bytes(b"", doc="RG16F or RG32F texture.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from pathlib import Path
 
 import panel as pn
@@ -12,7 +13,7 @@ import param
 from toonkit._validation import ToonkitError
 from toonkit.study.table import load_trials, settings_of
 from toonkit.viz.choice_cards import ChoiceCards, text_choices
-from toonkit.viz.page_style import THEME, WIDE, error_reporter, heading, plain, send_unsent
+from toonkit.viz.page_style import THEME, WIDE, after_updates, error_reporter, heading, plain
 from toonkit.viz.session_end import free_when_left
 from toonkit.viz.study_page.elements import live_heat_map
 from toonkit.viz.study_page.examination import Examination
@@ -52,7 +53,7 @@ def trial_card(state: StudyState) -> pn.Column:
             content = await asyncio.to_thread(trial_sheet, examination, records, measure=measure)
             if state.examination is examination:
                 sheet.object = content
-                await send_unsent(sheet)
+                await after_updates(lambda: sheet.param.update(tags=[time.monotonic()]))
 
     async def examine(*_: object) -> None:
         await state.examine()
