@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 import psutil
@@ -105,19 +106,24 @@ def test_the_suffixes_are_those_of_the_formats_that_are_read():
     assert kinds == {*decoding._FORMATS, "TIFF"}
 
 
+@contextmanager
+def hearing_interrupts():
+    """Undo what a shell does to a job in the background, these tests perhaps: what they start would not hear Ctrl-C."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@hearing_interrupts()
 def batch(folder, out, *options):
     return subprocess.Popen(
         [sys.executable, "-m", "toonkit", "batch", folder, "-o", out, "--quiet", *options],
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         stderr=subprocess.PIPE,
         text=True,
-        preexec_fn=hear_interrupts,  # noqa: PLW1509 - this process has no threads that hold locks here
     )
-
-
-def hear_interrupts():
-    """Undo what a shell does to a job in the background, these tests perhaps: it does not hear Ctrl-C."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def reports(out):

@@ -19,7 +19,7 @@ from toonkit._validation import (
 )
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
-from toonkit.model.oklab import srgb_to_oklab
+from toonkit.model.oklab import off_hue, srgb_to_oklab
 from toonkit.numerics.masked_grid import rim_mask
 
 UNCHANGED = 1e-9
@@ -282,11 +282,8 @@ def leak(before: ToonImage, after: ToonImage) -> float:
     """
     old, new = _lab_on_object(before, after)
     chroma = np.linalg.norm(old[:, 1:], axis=1)
-    hue = old[:, 1:] / np.maximum(chroma, 1e-12)[:, None]
-    along = np.maximum(np.sum(new[:, 1:] * hue, axis=1), 0.0)
-    off = np.linalg.norm(new[:, 1:] - along[:, None] * hue, axis=1)
     base, share = LEAK_CHROMA
-    leaks = off > base + share * chroma
+    leaks = off_hue(new, old) > base + share * chroma
     leaks |= (new[:, 0] > old[:, 0] + LEAK_LIGHTER) | (new[:, 0] < LEAK_DARKER * old[:, 0])
     return float(leaks.mean())
 

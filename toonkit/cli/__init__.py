@@ -21,7 +21,7 @@ from toonkit.cli.lights import parse_color, parse_light
 from toonkit.cli.progress import StepBar, show_warning
 from toonkit.cli.streams import complain, discard_output, prepare_streams
 from toonkit.cli.study import add_study_commands
-from toonkit.samples import PREFIX, drawing_path
+from toonkit.samples import PREFIX, drawing_path, sample_names, sample_path
 
 if TYPE_CHECKING:
     from toonkit.analysis import ToonAnalysis
@@ -318,11 +318,9 @@ def _relight(arguments: argparse.Namespace) -> int:
 
 
 def _samples(_: argparse.Namespace) -> int:
-    from toonkit import samples  # noqa: PLC0415
-
-    names = samples.sample_names()
+    names = sample_names()
     width = max(len(name) for name in names)
     for name in names:
-        print(f"{name:<{width}}  {samples.sample_path(name)}")
+        print(f"{name:<{width}}  {sample_path(name)}")
     print(f"\ntry: toonkit analyze {PREFIX}{names[0]} -o out/")
     return 0

@@ -34,7 +34,9 @@ MOST_PIXELS = 25_000_000
 TELLING, TELLING_SHARE = 4, 0.25
 """Islands from which the light is estimated, at most, and the least area of one relative to the largest."""
 
-WHATEVER_MATERIALS = ("grid", "islands", "_coverage", "frame", "ink", "initial_normals", "telling_islands")
+WHATEVER_MATERIALS = (
+    "grid", "islands", "telling_islands", "_coverage", "frame", "is_pixel_art", "ink", "inked", "initial_normals"
+)  # fmt: skip
 """Parts of a prepared drawing that do not depend on its materials."""
 
 
@@ -121,7 +123,7 @@ class PreparedDrawing:
             return replace(ink, coverage=np.zeros_like(ink.coverage), only_lines=False)
         return ink
 
-    @property
+    @cached_property
     def inked(self) -> BoolArray:
         """Which of the object's pixels ink covers, if only in part, shape (P,)."""
         return self.frame.compact(self.ink.coverage) > 0

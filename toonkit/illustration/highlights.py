@@ -102,7 +102,8 @@ def find_highlights(tones: Tones, group: Groups) -> BoolArray:
     beside, perimeter = _contact(pieces, tones.labels, count, len(tones.area))
     spots = _extent(tones, color, len(home))
     around = _extent(tones, group, len(home))
-    shaded = _extent(tones, np.where(color >= len(home) // 2, -1, group), len(home))
+    among_others = (color >= 0) & (home[color] >= 0)
+    shaded = _extent(tones, np.where(among_others, -1, group), len(home))
     lightness, chroma = tones.lab[:, 0], np.hypot(tones.lab[:, 1], tones.lab[:, 2])
     piece, tone = beside.row, beside.col
     ground = group[tone]
@@ -143,16 +144,14 @@ def find_named_highlights(tones: Tones, materials: Labels) -> BoolArray:
     named: BoolArray = (materials >= 0) & (tones.labels >= 0)
     if not named.any():
         return named
-    number = len(tones.area)
-    key = np.where(named, materials.astype(np.intp) * number + tones.labels, 0)
-    area = np.bincount(key[named], minlength=(int(materials.max()) + 1) * number).reshape(-1, number)
+    area = tones.area_by_material(materials)
     share = area / np.maximum(area.sum(axis=1, keepdims=True), 1)
     lightness, chroma = tones.lab[:, 0], np.hypot(tones.lab[:, 1], tones.lab[:, 2])
     bright = (lightness > BRIGHT) & (chroma < PALE) & (area > 0)
     below = np.where((share >= LARGE) & ~bright, lightness, -np.inf).max(axis=1, keepdims=True)
     bright &= lightness > below + JUMP
     few = np.isfinite(below) & ((bright * share).sum(axis=1, keepdims=True) < LARGEST_NAMED)
-    lit: BoolArray = named & (bright & few).ravel()[key]
+    lit: BoolArray = named & (bright & few)[materials, tones.labels]
     return lit
 
 

@@ -166,11 +166,9 @@ def _strays(tones: Tones, told: Labels) -> BoolArray:
     placed = (told >= 0) & (tones.labels >= 0)
     if not placed.any():
         return placed
-    number = len(tones.area)
-    key = np.where(placed, told.astype(np.intp) * number + tones.labels, 0)
-    area = np.bincount(key[placed], minlength=(int(told.max()) + 1) * number).reshape(-1, number)
+    area = tones.area_by_material(told)
     rare = (area < STRAY_SHARE * area.sum(axis=1, keepdims=True)) & (2 * area < area.sum(axis=0))
-    stray: BoolArray = placed & rare.ravel()[key] & _beside_another(told, placed)
+    stray: BoolArray = placed & rare[told, tones.labels] & _beside_another(told, placed)
     return stray
 
 

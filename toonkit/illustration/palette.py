@@ -20,7 +20,7 @@ from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
 from toonkit.model.luminance import luminance, tone
 from toonkit.model.materials import Materials
-from toonkit.model.oklab import srgb_to_oklab
+from toonkit.model.oklab import off_hue, srgb_to_oklab
 from toonkit.numerics.compiled import njit
 from toonkit.numerics.masked_grid import bounding_box
 
@@ -159,10 +159,7 @@ def _shadow(lit: FloatArray, wanted: FloatArray, shades: FloatArray) -> FloatArr
     lab = srgb_to_oklab(np.concatenate([lit[None], shades]))
     could_be = (shade_cost(lab)[0] <= SHADOW_COST) & ~out_of_range(lab)[0]
     could_be &= lab[:, 0] < lab[0, 0] - LEAST_STEP
-    lit_chroma = float(np.linalg.norm(lab[0, 1:]))
-    along = np.maximum(lab[:, 1:] @ lab[0, 1:] / max(lit_chroma**2, 1e-24), 0.0)
-    turned = np.linalg.norm(lab[:, 1:] - along[:, None] * lab[0, 1:], axis=1)
-    could_be &= turned <= SHADOW_TURN[0] + SHADOW_TURN[1] * lit_chroma
+    could_be &= off_hue(lab, lab[0]) <= SHADOW_TURN[0] + SHADOW_TURN[1] * np.linalg.norm(lab[0, 1:])
     away = np.where(could_be, np.linalg.norm(lab - srgb_to_oklab(wanted), axis=-1), np.inf)
     nearest = int(away.argmin())
     return shades[nearest - 1] if away[nearest] < SHADOW_APART else None

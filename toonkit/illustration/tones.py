@@ -60,6 +60,13 @@ class Tones:
     way: FloatArray
     perimeter: FloatArray
 
+    def area_by_material(self, materials: Labels) -> NDArray[np.intp]:
+        """Return how many pixels of each material (h, w), -1 where there is none, show each tone, shape (m, n)."""
+        shown = (materials >= 0) & (self.labels >= 0)
+        number, count = len(self.area), int(materials.max()) + 1
+        key = materials[shown].astype(np.intp) * number + self.labels[shown]
+        return np.bincount(key, minlength=count * number).reshape(count, number)
+
     def only(self, which: NDArray[np.intp]) -> Tones:
         """Return some tones as if there were no others."""
         place = np.full(len(self.area) + 1, -1, np.int32)  # of -1, the last one, too

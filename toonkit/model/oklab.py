@@ -65,6 +65,31 @@ def srgb_to_oklab(color: ArrayLike) -> FloatArray:
     return lab
 
 
+def off_hue(lab: FloatArray, reference: FloatArray) -> FloatArray:
+    """
+    Return how far colors are from the hue of others, whatever their lightness and chroma.
+
+    Parameters
+    ----------
+    lab, reference : ndarray, shape (..., 3)
+        OKLab.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Distance of (a, b) from the ray from gray through the reference's (a, b), in OKLab.
+
+    Examples
+    --------
+    >>> off_hue(np.array([[0.2, 0.3, 0.1], [0.2, -0.3, 0.4]]), np.array([0.9, 0.1, 0.0])).tolist()
+    [0.1, 0.5]
+    """
+    hue = reference[..., 1:] / np.maximum(np.linalg.norm(reference[..., 1:], axis=-1), 1e-12)[..., None]
+    along = np.maximum(np.sum(lab[..., 1:] * hue, axis=-1), 0.0)
+    off: FloatArray = np.linalg.norm(lab[..., 1:] - along[..., None] * hue, axis=-1)
+    return off
+
+
 def oklab_to_srgb(lab: ArrayLike) -> FloatArray:
     """
     Convert OKLab to sRGB: the inverse of `srgb_to_oklab`.
