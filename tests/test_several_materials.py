@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.analytic import ellipse
 from tests.illustration.drawings import BLUE, GREEN, LIGHT, RED, Ball, Canvas, Drawn
-from toonkit import ToonImage, ToonkitError, analyze, find_materials, light_direction, relight
+from toonkit import ToonImage, ToonkitError, analyze, find_materials, illumination, light_direction, relight
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.preparation import prepare
 from toonkit.export.picture import write_picture
@@ -240,3 +241,14 @@ def test_a_path_and_a_light_in_degrees_are_taken(drawn, tmp_path):
     analysis = analyze(tmp_path / "figure.png", (135, 45))
     assert np.allclose(analysis.light, light_direction(135, 45))
     assert analysis.materials.count == 3
+
+
+@pytest.mark.parametrize(("edge", "lit"), [(0.97, 1), (0.6, 2)])
+def test_a_tone_on_less_than_a_tenth_of_a_material_is_a_shine_and_not_its_base_color(edge, lit):
+    shape = ellipse(40, 40)
+    tones = np.array([[0.5, 0.2, 0.1], [0.8, 0.4, 0.2], [1.0, 0.9, 0.7]])
+    value = illumination(shape.normals, LIGHT)
+    band = (value > 0.1).astype(int) + (value > edge)
+    picture = ToonImage(np.where(shape.mask[..., None], tones[band], np.nan), shape.mask)
+    base = analyze(picture, LIGHT).base_color
+    assert np.median(base.color[shape.mask], axis=0) == pytest.approx(tones[lit], abs=0.01)

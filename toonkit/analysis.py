@@ -30,6 +30,9 @@ LightSource = Literal["given", "estimated", "assumed"]
 TEXTURE = 0.15
 """Color difference, in sRGB, up to which what the model leaves unexplained is texture, which base colors keep."""
 
+SHINE = 0.1
+"""Share of a material's pixels that are brighter than its base color: a rim or a shine, and not what it is painted with."""
+
 
 @dataclass(frozen=True, eq=False)
 class ToonAnalysis:
@@ -196,7 +199,8 @@ class ToonAnalysis:
             self.drawing.painted_materials, self.materials.color_maps, strict=True
         ):
             if material.tones is not None:
-                yield material.pixels, color_map.colors[-1], color_map(value[material.pixels])
+                own = value[material.pixels]
+                yield material.pixels, color_map(np.quantile(own, 1.0 - SHINE)), color_map(own)
 
     def _composed(self, paint: FloatArray, *, highlights: float = 1.0) -> FloatArray:
         """Put other paint (P, 3) under the drawing's ink and highlights, and mix it where the drawing does."""
