@@ -11,6 +11,7 @@ from typing import Any
 import numba
 from numba.core.caching import FunctionCache
 from numba.core.compiler import Compiler
+from numba.core.runtime import rtsys
 
 _told: list[str] = []
 
@@ -64,7 +65,9 @@ class _ForgivingCache(FunctionCache):
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return compiled code; None if there is none, or a damaged one, which is dropped."""
         try:
-            return super().load_overload(sig, target_context)
+            # As Numba does, but without registering all that compiling needs, which takes a quarter of a second.
+            rtsys.initialize(target_context)
+            return self._load_overload(sig, target_context)
         except Exception as error:  # unpickling raises any type for a damaged file
             _tell_once(f"{self.cache_path}: {type(error).__name__}: {error}")
             with suppress(OSError):
