@@ -33,8 +33,9 @@ def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     cached = options.pop("cache", False)
 
     def declare(function: Callable[..., Any]) -> Any:
-        # Nothing written in C calls these functions, so that they need no wrapper for it.
-        dispatcher = numba.njit(pipeline_class=_Compiler, no_cfunc_wrapper=True, **options)(function)
+        # Loops over scalars have no array expressions to rewrite, and nothing written in C calls them through a wrapper.
+        quick = {"pipeline_class": _Compiler, "no_rewrites": True, "no_cfunc_wrapper": True}
+        dispatcher = numba.njit(**quick, **options)(function)
         if cached and dispatcher is not function:  # as it is where Numba is switched off
             try:
                 dispatcher._cache = _ForgivingCache(function)
