@@ -42,13 +42,12 @@ def nearest_sources(
     inside = np.flatnonzero(known)
     source[inside] = inside
     left = np.flatnonzero((wanted & ~known).ravel()).astype(np.int32)
-    _fill(source, lab.reshape(-1, 3), left, np.int32(known.shape[1]), within)
+    _fill(source, lab.reshape(-1, 3), left, np.empty_like(left), np.int32(known.shape[1]), within)
     return source.reshape(known.shape)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _fill(source, colors, left, width, rings):  # type: ignore[no-untyped-def]
-    found = np.empty(left.size, np.int32)
+def _fill(source, colors, left, found, width, rings):  # type: ignore[no-untyped-def]
     count = left.size
     for _ in range(rings):
         for k in range(count):

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
+from scipy import ndimage, sparse
 from skimage.measure import label
 
 from toonkit._validation import BoolArray, FloatArray
@@ -239,7 +239,7 @@ def _contact(
 
 def _few(lit: BoolArray, owner: NDArray[np.intp]) -> BoolArray:
     """Drop what lies on a piece of paint that shows more than `SEVERAL`."""
-    spots, count = label(lit, return_num=True, connectivity=2)
+    spots, count = ndimage.label(lit, np.ones((3, 3)))
     if count <= SEVERAL:
         return lit
     pieces, grounds = label(np.where(lit, 0, owner + 1), background=0, return_num=True, connectivity=1)

@@ -239,51 +239,48 @@ def _distinct(
     Returns the distinct ones (n, 4), in the order of their first pixels, how many pixels have each, and how many of these
     have no neighbor with the same, and one with another. Stops as soon as there are more than `most`.
     """
-    found, counts = np.empty((most + 1, 4)), np.zeros((3, most + 1), np.intp)
-    count = _list(color, beside, mask, found, *counts)
+    firsts, counts = np.empty(most + 1, np.intp), np.zeros((3, most + 1), np.intp)
+    colors, numbers = color.reshape(-1, 3), beside.ravel()
+    count = _list(colors, numbers, mask.ravel(), mask.shape[1], firsts, *counts)
+    first = firsts[:count]
     areas, alone, edges = counts[:, :count]
-    return found[:count], areas, alone, edges
+    return np.column_stack([colors[first], numbers[first]]), areas, alone, edges
 
 
-@njit(cache=True, nogil=True)
-def _list(color, beside, mask, found, areas, alone, edges):  # type: ignore[no-untyped-def]
-    height, width = mask.shape
-    count, last = 0, 0
-    for row in range(height):
-        for column in range(width):
-            if not mask[row, column]:
-                continue
-            red, green, blue = color[row, column, 0], color[row, column, 1], color[row, column, 2]
-            number = float(beside[row, column])
-            for step in range(count):
-                place = (last + step) % count  # neighbors are mostly alike
-                if (
-                    abs(found[place, 0] - red) < SAME
-                    and abs(found[place, 1] - green) < SAME
-                    and abs(found[place, 2] - blue) < SAME
-                    and abs(found[place, 3] - number) < SAME
-                ):
-                    break
-            else:
-                place = count
-                found[place, 0], found[place, 1], found[place, 2], found[place, 3] = red, green, blue, number
-                count += 1
-            last = place
-            areas[place] += 1
-            same, other = False, False
-            for down, along in ((0, -1), (0, 1), (-1, 0), (1, 0)):
-                r, c = row + down, column + along
-                if 0 <= r < height and 0 <= c < width and mask[r, c]:
-                    alike = (
-                        abs(color[r, c, 0] - red) < SAME
-                        and abs(color[r, c, 1] - green) < SAME
-                        and abs(color[r, c, 2] - blue) < SAME
-                        and abs(beside[r, c] - number) < SAME
-                    )
-                    same |= alike
-                    other |= not alike
-            alone[place] += not same
-            edges[place] += other
-            if count == len(found):
-                return count
+@njit(cache=True, nogil=True, error_model="numpy", no_cpython_wrapper=True)
+def _alike(color, beside, p, q):  # type: ignore[no-untyped-def]
+    """Tell whether two pixels have the same color and number."""
+    for k in range(3):
+        if abs(color[p, k] - color[q, k]) >= SAME:
+            return False
+    return abs(beside[p] - beside[q]) < SAME
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _list(color, beside, mask, width, firsts, areas, alone, edges):  # type: ignore[no-untyped-def]
+    count = place = 0
+    for p in range(mask.size):
+        if not mask[p]:
+            continue
+        for _ in range(count):  # from that of the pixel before, for neighbors are mostly alike
+            if _alike(color, beside, firsts[place], p):
+                break
+            place = (place + 1) % count
+        else:
+            place = count
+            firsts[place] = p
+            count += 1
+        areas[place] += 1
+        same, other = False, False
+        for side in range(4):
+            step = width if side < 2 else 1
+            q = p + step if side & 1 else p - step
+            if 0 <= q < mask.size and mask[q] and (step == width or q // width == p // width):
+                alike = _alike(color, beside, p, q)
+                same |= alike
+                other |= not alike
+        alone[place] += not same
+        edges[place] += other
+        if count == firsts.size:
+            break
     return count

@@ -14,22 +14,22 @@ LEAST_CURVATURE = 0.3
 
 
 @njit(inline="always")
-def _cell(field, p, beside, above, across, sx, sy):  # type: ignore[no-untyped-def]
+def _cell(field, nx, ny, nz, beside, above, across, sx, sy):  # type: ignore[no-untyped-def]
     """
-    Return the integrability residual of a cell, and its gradient with respect to the vector of p.
+    Return the integrability residual of a cell, and its gradient with respect to the vector n of one of its pixels.
 
-    `sx` and `sy` are half of -1 where the cell lies to the right of p, and above it; half of 1 elsewhere.
+    `sx` and `sy` are half of -1 where the cell lies to the right of that pixel, and above it; half of 1 elsewhere.
     """
-    nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
     ux, uy, uz = field[beside, 0], field[beside, 1], field[beside, 2]
     vx, vy, vz = field[above, 0], field[above, 1], field[above, 2]
     wx, wy, wz = field[across, 0], field[across, 1], field[across, 2]
-    mx = 0.25 * (nx + ux + vx + wx)
+    own_x, own_z, other_x, other_z = nx + ux, nz + uz, vx + wx, vz + wz  # sums along the two rows
+    mx = 0.25 * (own_x + other_x)
     my = 0.25 * (ny + uy + vy + wy)
-    mz = 0.25 * (nz + uz + vz + wz)
-    z_by_y = sy * (nz + uz - vz - wz)
+    mz = 0.25 * (own_z + other_z)
+    z_by_y = sy * (own_z - other_z)
     z_by_x = sx * (nz + vz - uz - wz)
-    turn = sy * (nx + ux - vx - wx) - sx * (ny + vy - uy - wy)
+    turn = sy * (own_x - other_x) - sx * (ny + vy - uy - wy)
     residual = mz * turn - mx * z_by_y + my * z_by_x
     return residual, sy * mz - 0.25 * z_by_y, 0.25 * z_by_x - sx * mz, 0.25 * turn - sy * mx + sx * my
 
@@ -47,7 +47,7 @@ def relax(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's step, 
     component to its target. They are empty where there is none.
     """
     pulled, held = source.shape[0] > 0, hold.shape[0] > 0
-    lx, ly, lz = direction
+    lx, ly, lz = direction[0], direction[1], direction[2]
     for i in range(first, last):
         p = first + last - 1 - i if backward else i
         nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
@@ -72,12 +72,12 @@ def relax(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's step, 
             fz += source[p, 2]
         strength = np.sqrt(fx * fx + fy * fy + fz * fz)
         curvature = max(fx * nx + fy * ny + fz * nz, LEAST_CURVATURE * strength)
-        # A basis a, b of the tangent plane (n looks at the viewer, so that 1 + nz >= 1).
+        # In the basis a = (1 - nx² share, -nx ny share, -nx), b = (-nx ny share, 1 - ny² share, -ny) of the tangent plane
+        # (n looks at the viewer, so that 1 + nz >= 1) a vector g has the components
+        # g·a = gx - tilt nx and g·b = gy - tilt ny with tilt = share (gx nx + gy ny) + gz.
         share = 1.0 / (1.0 + nz)
-        ax, ay, az = 1.0 - nx * nx * share, -nx * ny * share, -nx
-        bx, by, bz = -nx * ny * share, 1.0 - ny * ny * share, -ny
         # Integrability: slope and Gauss-Newton curvature of the four cells around.
-        ca = cb = cn = haa = hab = hbb = 0.0
+        cx = cy = cz = haa = hab = hbb = 0.0
         for side in range(0, 4, 2):
             beside = neighbors[p, side]
             if beside < 0:
@@ -90,27 +90,29 @@ def relax(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's step, 
                 if across < 0:
                     continue
                 residual, gx, gy, gz = _cell(
-                    field, p, beside, above, across, 0.5 * (side - 1.0), 0.5 * (end - 2.0)
+                    field, nx, ny, nz, beside, above, across, 0.5 * (side - 1.0), 0.5 * (end - 2.0)
                 )
-                ga = gx * ax + gy * ay + gz * az
-                gb = gx * bx + gy * by + gz * bz
-                ca += residual * ga
-                cb += residual * gb
-                cn += residual * (gx * nx + gy * ny + gz * nz)
+                cx += residual * gx
+                cy += residual * gy
+                cz += residual * gz
+                tilt = share * (gx * nx + gy * ny) + gz
+                ga = gx - tilt * nx
+                gb = gy - tilt * ny
                 haa += ga * ga
                 hab += ga * gb
                 hbb += gb * gb
         double = 2.0 * curl_weight
-        curvature = max(curvature - double * cn, LEAST_CURVATURE * curvature)
+        curvature = max(curvature - double * (cx * nx + cy * ny + cz * nz), LEAST_CURVATURE * curvature)
         haa = double * haa + curvature
         hab = double * hab
         hbb = double * hbb + curvature
-        ga = double * ca - (fx * ax + fy * ay + fz * az)
-        gb = double * cb - (fx * bx + fy * by + fz * bz)
+        gx, gy, gz = double * cx - fx, double * cy - fy, double * cz - fz
+        tilt = share * (gx * nx + gy * ny) + gz
+        ga, gb = gx - tilt * nx, gy - tilt * ny
         # The component: what holds it, then the interval if the step would leave it.
         component = lx * nx + ly * ny + lz * nz
-        la = lx * ax + ly * ay + lz * az
-        lb = lx * bx + ly * by + lz * bz
+        tilt = share * (lx * nx + ly * ny) + lz
+        la, lb = lx - tilt * nx, ly - tilt * ny
         if held:
             firm = 2.0 * hold[p]
             ga += firm * (component - target[p]) * la
@@ -133,9 +135,10 @@ def relax(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's step, 
             scale = 1.0 / (haa * hbb - hab * hab)
             da = scale * (hab * gb - hbb * ga)
             db = scale * (hab * ga - haa * gb)
-        nx += ax * da + bx * db
-        ny += ay * da + by * db
-        nz = max(nz + az * da + bz * db, 0.0)
+        down = nx * da + ny * db
+        nx += da - share * down * nx
+        ny += db - share * down * ny
+        nz = max(nz - down, 0.0)
         length = np.sqrt(nx * nx + ny * ny + nz * nz)
         if length > 1e-12:
             field[p, 0] = nx / length
@@ -154,7 +157,7 @@ def value_and_gradient(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one p
     That is the part across each vector; one with z = 0 may not turn away.
     """
     pulled, held = source.shape[0] > 0, hold.shape[0] > 0
-    lx, ly, lz = direction
+    lx, ly, lz = direction[0], direction[1], direction[2]
     energy = 0.0
     for p in range(first, last):
         nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
@@ -173,9 +176,10 @@ def value_and_gradient(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one p
                 gz += link * ez
                 membrane += 0.5 * link * (ex * ex + ey * ey + ez * ez)
         energy += change_weight * membrane
-        gx *= 2.0 * change_weight
-        gy *= 2.0 * change_weight
-        gz *= 2.0 * change_weight
+        double = 2.0 * change_weight
+        gx *= double
+        gy *= double
+        gz *= double
         if pulled:
             energy -= source[p, 0] * nx + source[p, 1] * ny + source[p, 2] * nz
             gx -= source[p, 0]
@@ -193,7 +197,7 @@ def value_and_gradient(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one p
                 if across < 0:
                     continue
                 residual, cx, cy, cz = _cell(
-                    field, p, beside, above, across, 0.5 * (side - 1.0), 0.5 * (end - 2.0)
+                    field, nx, ny, nz, beside, above, across, 0.5 * (side - 1.0), 0.5 * (end - 2.0)
                 )
                 energy += 0.25 * curl_weight * residual * residual  # each cell is seen from its four corners
                 residual *= 2.0 * curl_weight
@@ -263,35 +267,14 @@ def gather_blocks(  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def finish_blocks(direction, mean, low, high, loose, component, first, last):  # type: ignore[no-untyped-def]
-    """Turn a block's sums into a unit vector, its component, and an interval that contains it."""
-    for p in range(first, last):
-        _unit(mean[p, 0], mean[p, 1], mean[p, 2], mean, p)
-        component[p] = direction[0] * mean[p, 0] + direction[1] * mean[p, 1] + direction[2] * mean[p, 2]
-        if loose[p] > 0.0:
-            # Written out, for min and max take long to compile.
-            lower, upper = low[p] / loose[p], high[p] / loose[p]
-            low[p] = lower if lower < component[p] else component[p]
-            high[p] = upper if upper > component[p] else component[p]
-        else:
-            low[p], high[p] = -1.0, 1.0
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _unit(x, y, z, out, p):  # type: ignore[no-untyped-def]
-    """Write the unit vector with z >= 0; a vanishing one becomes (0, 0, 1)."""
-    z = z if z > 0.0 else 0.0
-    norm = np.sqrt(x * x + y * y + z * z)
-    if norm > 1e-12:
-        out[p, 0], out[p, 1], out[p, 2] = x / norm, y / norm, z / norm
-    else:
-        out[p, 0], out[p, 1], out[p, 2] = 0.0, 0.0, 1.0
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def retract(field, step, length, out, first, last):  # type: ignore[no-untyped-def]
-    """Write the unit vectors, z >= 0, of `field + length * step` to `out`, which may be one of the two."""
+    """Write the unit vectors, z >= 0, of `field + length * step` to `out`, which may be one of the two; else (0, 0, 1)."""
     for p in range(first, last):
         x = field[p, 0] + length * step[p, 0]
         y = field[p, 1] + length * step[p, 1]
-        _unit(x, y, field[p, 2] + length * step[p, 2], out, p)
+        z = max(field[p, 2] + length * step[p, 2], 0.0)
+        norm = np.sqrt(x * x + y * y + z * z)
+        if norm > 1e-12:
+            out[p, 0], out[p, 1], out[p, 2] = x / norm, y / norm, z / norm
+        else:
+            out[p, 0], out[p, 1], out[p, 2] = 0.0, 0.0, 1.0

@@ -13,7 +13,7 @@ import numpy as np
 
 from toonkit._validation import FloatArray
 from toonkit.numerics.bands import inner
-from toonkit.numerics.change_kernels import finish_blocks, gather_blocks, retract
+from toonkit.numerics.change_kernels import gather_blocks, retract
 from toonkit.numerics.unit_vectors import NO_SOURCE, Terms, UnitVectorEnergy, moved
 
 COARSEST_SIZE = 1000
@@ -133,7 +133,14 @@ def _restricted(
         gather_blocks, level.problem.grid.coarsening.parent, direction, field, gradient, terms.hold, terms.lower,
         terms.upper, terms.weight, start, slopes, hold, lower, upper, weight,
     )  # fmt: skip
-    coarse.problem.grid.bands.run(finish_blocks, direction, start, lower, upper, weight, target)
+    coarse.retracted(start, start, 0.0, start)
+    np.einsum("pc,c->p", start, direction, out=target)
+    # Within an interval that contains the component, the means; without any, whatever there is.
+    free = weight == 0.0
+    for bound, widest, wider in ((lower, -1.0, np.minimum), (upper, 1.0, np.maximum)):
+        np.divide(bound, weight, out=bound, where=~free)
+        wider(bound, target, out=bound)
+        bound[free] = widest
     terms = Terms(lower, upper, weight, hold, target, NO_SOURCE)
     source = coarse.room("source")
     coarse.problem.value_and_gradient(terms, start, source)
