@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from toonkit import __version__
 
 project = "toonkit"
@@ -19,6 +21,7 @@ extensions = [
 # The source folder is the root of the repository, so that a link between README, docs/ and notebooks/ is the same
 # here and on GitHub.
 root_doc = "docs/index"
+templates_path = [str(Path(__file__).parent / "templates")]  # autosummary takes relative ones from the root
 include_patterns = ["*.md", "docs/**.md", "docs/api/*.rst", "notebooks/*.ipynb"]
 exclude_patterns = [".*", "build", "dist", "study", "training", "**/.ipynb_checkpoints"]
 suppress_warnings = [
@@ -39,6 +42,7 @@ autosummary_imported_members = True
 autodoc_typehints = "none"
 autodoc_member_order = "groupwise"
 napoleon_google_docstring = False
+napoleon_use_ivar = True  # attributes are listed with their class, not documented once more
 
 html_theme = "pydata_sphinx_theme"
 html_title = f"toonkit {release}"
