@@ -19,13 +19,13 @@ import numpy as np
 
 import toonkit
 from benchmarks.shape_rows import Row, measured_rows, write_rows
+from notebooks.plots.light_errors import light_errors
 from toonkit.estimation.light_fit import estimate_light
 from toonkit.model.light import light_angles
 from toonkit.model.normals import NormalField
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.rendering import MIN_SIZE, RenderedShape, render_shape
 from toonkit.study.shapes import SHAPES
-from toonkit.viz.figures.light_errors import light_errors
 
 ELEVATIONS = (20.0, 47.5, 75.0)
 LIGHTS = tuple((40.0 * step, ELEVATIONS[step % len(ELEVATIONS)]) for step in range(9))

@@ -43,7 +43,7 @@ from toonkit.model.shading import illumination, shade
 from toonkit.numerics.report import SolverReport
 from toonkit.relighting import relight
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "METHODS",

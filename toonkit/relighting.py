@@ -92,36 +92,37 @@ def relight(
 
     Notes
     -----
-    With I = L · N and I' = L' · N a shaded material becomes c' = M(I') + w d, where d = c - M(I) is the detail and
+    With I = L · N and I' = L' · N the color of a shaded material becomes c' = M(I') + w d. The detail d = c - M(I) is
+    what the drawing shows beyond the model. Its weight is::
 
-        w = (1 - ((I' - I) / 2r)²)⁴ within 2r, else 0,    r = 0.15 / (1 + |d|² / 0.1²),
+        w = (1 - ((I' - I) / 2r)²)⁴ within 2r, else 0,    r = 0.15 / (1 + ‖d‖² / 0.1²)
 
-    nearly the bell exp(-((I' - I) / r)²), but with an end.
-    Texture, whose d is small, stays until the light has turned by half a tone. A large d is no texture but a band edge that
-    the model put a pixel beside the painted one: it goes at the first turn of the light, or it would stay behind as a
-    scratch where the edge was.
-    A flat material of color b becomes c' = c + s (M(I') - b), where s grows from 0 to `flat_shading` as the light turns
-    by `FULL_TURN`: its shadows come in softly.
-    Pixels that the object touches without filling them move as the nearest object pixel does. Line art stays as it is
-    drawn: what it covers in part changes for the rest, and so does what two materials share. A highlight moves with the
-    paint that it lies on, and fades as w does for a small d, with r = `HIGHLIGHT_RANGE`.
+    This is close to the bell exp(-((I' - I) / r)²), but has an end. A small detail is texture and stays until the light
+    has turned by about half a tone. A large detail is a band edge that the model places beside the painted one. It
+    disappears at the first turn of the light, because it would remain as a scratch where the edge was.
 
-    With a palette each pixel takes the color of its material's ramp that is nearest to c', in sRGB. Its edges are hard, so
-    no pixel is mixed: it is ink, a highlight, or paint. Ink, and what is drawn in a color that its material's ramp does not
-    have, stays as drawn. The ramp of a flat material has a second color if the drawing has one that could be its shadow;
-    else it does not answer to the light.
+    A flat material of color b becomes c' = c + s (M(I') - b). The factor s grows from 0 to `flat_shading` as the light
+    turns by `FULL_TURN`, so that shadows come in gradually. Pixels that the object covers in part change as the nearest
+    object pixel does. Line art stays as drawn. Where it covers a pixel in part, the rest of the pixel changes, and so
+    do pixels that two materials share. A highlight moves with the paint beneath it and fades as w does for a small d,
+    with r = `HIGHLIGHT_RANGE`.
 
-    Ambient light a and a light of color λ act in linear light, on each channel: with the first and the last color of M as
-    shadow s and lit tone t,
+    With a palette each pixel takes the color of its material's ramp that is nearest to c', in sRGB. Edges are hard: a
+    pixel is ink, a highlight or paint, never a mixture. Ink stays as drawn, and so do pixels in a color that the ramp
+    does not have. A flat material changes only if the drawing has a color that could be its shadow.
 
-        c'' = e - (1 - λ) max(e - s, 0),    e = c' + a max(t - c', 0).
+    Ambient light a and a light of color λ act in linear light, on each channel. With the first color of M as shadow s
+    and the last as lit tone t::
 
-    So what the light adds to the shadow takes its color, the paint's highlights and texture included, and white without
-    ambient light leaves c' as it is. With a palette e is rounded to it, and then tinted.
+        c'' = e - (1 - λ) max(e - s, 0),    e = c' + a max(t - c', 0)
 
-    A light behind the picture follows the same rule. Visible normals have N_z >= 0, so with L_z < 0 what faces the viewer
-    has a negative illumination, which is shadow. Lit is only where the surface turns away toward the light, L · N > 0: a
-    rim light, the narrower the farther behind the light stands. Straight from behind L · N = -N_z, and nothing is lit.
+    What the light adds to the shadow thus takes the color of the light, highlights and texture included. White light
+    without ambient light leaves c' unchanged. With a palette e is rounded to the palette before it is tinted.
+
+    A light behind the picture follows the same rule. Visible normals have N_z >= 0, so with L_z < 0 a surface that
+    faces the viewer has a negative illumination and is in shadow. Only a rim that turns away toward the light, L · N >
+    0, is lit. It gets narrower the farther behind the light stands. From straight behind, L · N = -N_z and nothing is
+    lit.
     """
     of_type("analysis", analysis, ToonAnalysis)
     light = direction_of("new_light", new_light, behind=True)

@@ -9,15 +9,15 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 
 import toonkit
+from notebooks.plots.ablation import ORACLES, ablation_table, draw_ablation, draw_stages
+from notebooks.plots.light_errors import draw_light_errors, light_errors
+from notebooks.plots.paper_results import Comparison
 from tests.viz.test_study_figures import FONTS, texts_off_the_page
 from toonkit import Materials, ToonkitError
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.rendering import render_shape
 from toonkit.study.shapes import SHAPES
 from toonkit.viz.figures import style
-from toonkit.viz.figures.ablation import ORACLES, ablation_table, draw_ablation, draw_stages
-from toonkit.viz.figures.light_errors import draw_light_errors, light_errors
-from toonkit.viz.figures.paper_results import Comparison
 from toonkit.viz.figures.style import METHOD_COLORS
 
 LIGHT = toonkit.light_direction(129, 50)

@@ -7,11 +7,11 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import toonkit
+from notebooks.plots.drawing_parts import color_maps, ink_layer, panels, region_colors
 from toonkit import ToonAnalysis, ToonkitError
 from toonkit.samples import sample_light
 from toonkit.study.inked_samples import draw_subject
 from toonkit.study.inked_subjects import TOADSTOOL
-from toonkit.viz.figures.drawing_parts import color_maps, ink_layer, panels, region_colors
 
 
 @pytest.fixture(scope="module")

@@ -18,16 +18,16 @@ from matplotlib.transforms import Bbox
 from skimage.color import deltaE_ciede2000, rgb2lab
 
 import toonkit
+from notebooks.plots.panels import ball, draw_picture, proportion
+from notebooks.plots.paper_data import data_sets, stylized_shading
+from notebooks.plots.paper_method import inflation, method_overview
+from notebooks.plots.paper_reflectance import color_map_estimation, illumination_constraints
+from notebooks.plots.paper_results import Comparison, relighting, shading_analysis
 from toonkit import METHODS, ToonImage, ToonkitError
 from toonkit.model.luminance import linear_to_srgb, srgb_to_linear
 from toonkit.study.color_maps import load_color_maps, load_ramps
 from toonkit.study.rendering import RenderedShape, render_shape
 from toonkit.study.shapes import SHAPES
-from toonkit.viz.figures.panels import ball, draw_picture, proportion
-from toonkit.viz.figures.paper_data import data_sets, stylized_shading
-from toonkit.viz.figures.paper_method import inflation, method_overview
-from toonkit.viz.figures.paper_reflectance import color_map_estimation, illumination_constraints
-from toonkit.viz.figures.paper_results import Comparison, relighting, shading_analysis
 from toonkit.viz.figures.style import (
     METHOD_COLORS,
     METHOD_LABELS,

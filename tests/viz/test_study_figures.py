@@ -14,6 +14,14 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from skimage.color import deltaE_ciede2000, rgb2lab
 
+from notebooks.plots.study_tables import (
+    comparisons_table,
+    extremes_table,
+    findings_table,
+    means_table,
+    refinements_table,
+    sweeps_table,
+)
 from tests.synthetic_study import COLOR_MAPS, SHAPES, failed, study_table, with_newcomers
 from tests.viz.test_figures import COLOR_VISION
 from toonkit.model.luminance import linear_to_srgb, srgb_to_linear
@@ -29,14 +37,6 @@ from toonkit.viz.figures.study_methods import (
     sweeps_figure,
 )
 from toonkit.viz.figures.study_style import SPARE_COLORS, method_colors
-from toonkit.viz.figures.study_tables import (
-    comparisons_table,
-    extremes_table,
-    findings_table,
-    means_table,
-    refinements_table,
-    sweeps_table,
-)
 from toonkit.viz.figures.style import INK, METHOD_COLORS
 
 FONTS = ("DejaVu Sans", "DejaVu Sans Mono")

@@ -1,1 +1,1 @@
-"""The paper's steps, one module a step."""
+"""The steps of the paper, one module each."""

@@ -12,10 +12,10 @@ from toonkit.model.image import ToonImage
 from toonkit.model.luminance import linear_to_srgb, srgb_to_linear, tone
 
 SAMPLES = 1024
-"""Samples at most: more pixels than that share them."""
+"""Most samples of an extracted color map. If there are more pixels, several share a sample."""
 
 MIN_STROKE = 2
-"""Object pixels under a stroke: one has no dark and no bright end."""
+"""Fewest object pixels under a stroke. A single pixel has no dark and no bright end."""
 
 
 def extract_color_map(image: ToonImage | PreparedDrawing, stroke: ArrayLike) -> ColorMap:
@@ -27,20 +27,19 @@ def extract_color_map(image: ToonImage | PreparedDrawing, stroke: ArrayLike) -> 
     image : ToonImage or PreparedDrawing
         The drawing.
     stroke : array_like of bool, shape (H, W)
-        True under the stroke. What lies outside the object is ignored, and so are pixels that the object only
-        covers in part as long as two others remain. Under line art it takes the paint beneath.
+        True under the stroke. Pixels outside the object are ignored. Pixels that the object covers in part are ignored
+        if at least two others remain. Under line art the paint beneath it counts.
 
     Returns
     -------
     ColorMap
-        One sample per pixel under the stroke, at most 1024, over -1..1: a tone takes the share of the domain
-        that it has of the stroke.
+        One sample per pixel under the stroke, at most 1024, over -1 to 1. A tone takes the same share of the domain as
+        of the stroke.
 
     Raises
     ------
     ToonkitError
-        If the stroke is no mask of the picture's size, misses the object, or touches fewer than two of its
-        pixels.
+        If the stroke is not a mask of the picture's size, or covers fewer than two pixels of the object.
 
     Examples
     --------

@@ -19,11 +19,11 @@ from toonkit.model.materials import Materials
 from toonkit.numerics.bands import run_in_pieces
 
 SAMPLES = 1024
-"""Samples of a fitted map: a hard step between two bands is blurred over 1/500 of illumination at most."""
+"""Samples of a fitted map. A hard step between two bands is blurred over at most 1/500 of illumination."""
 
 TYPICAL = (0.03, 0.97)
-"""Shares of a material's pixels, from dark to bright, at which its color map ends. Where materials meet, some colors are
-neither's: what is left of a line, a highlight, a mixture. A map that ended in them would spread them."""
+"""Shares of a material's pixels, from dark to bright, at which its color map ends. The colors beyond may belong to
+remains of a line, a highlight or a mixture of materials, and would spread over the relit picture."""
 
 
 def fit_color_map(image: ToonImage | PreparedDrawing, illumination: ArrayLike) -> ColorMap:
@@ -66,7 +66,7 @@ def fit_color_map(image: ToonImage | PreparedDrawing, illumination: ArrayLike) -
 
 def fit_color_maps(image: ToonImage | PreparedDrawing, illumination: ArrayLike) -> Materials:
     """
-    Estimate the color map of each material of a picture: what a method does once it has its normals.
+    Estimate the color map of each material of a picture. Every method ends with this step.
 
     Parameters
     ----------
@@ -78,8 +78,8 @@ def fit_color_maps(image: ToonImage | PreparedDrawing, illumination: ArrayLike) 
     Returns
     -------
     Materials
-        The picture's materials with their color maps: those of shaded materials as in `fit_color_map`, each from its own
-        pixels; those of flat ones derived from them.
+        The picture's materials with their color maps. Shaded materials get theirs as in `fit_color_map`, each from its
+        own pixels. The maps of flat materials are derived from those.
 
     Raises
     ------
@@ -147,7 +147,7 @@ def fit_materials(drawing: PreparedDrawing, illumination: FloatArray) -> tuple[C
 
 
 def _fitted(tones: PaintedTones, illumination: FloatArray, *, trim: bool) -> ColorMap:
-    """Fit one material, if asked with both ends of its map replaced by the colors at `TYPICAL` shares of its pixels."""
+    """Fit one material. Optionally replace both ends of its map by the colors at `TYPICAL` shares of its pixels."""
     color_map = rank_matched(tones, illumination)
     if not trim:
         return color_map
@@ -189,8 +189,8 @@ def rank_matched(tones: PaintedTones, illumination: FloatArray) -> ColorMap:
     """
     Fit the map to the illumination (P,) of a drawing's pixels, in any order; see `fit_color_map`.
 
-    Each sample takes the mean color of its ranks. The mean is one of light, not of sRGB values: only so does the mean of
-    brighter colors never come out darker.
+    Each sample takes the mean color of its ranks, computed in linear light. Means of sRGB values could be darker for
+    brighter colors.
     """
     ordered = np.sort(illumination)
     low, high = float(ordered[0]), float(ordered[-1])
@@ -244,7 +244,7 @@ def _on_object(illumination: ArrayLike, drawing: PreparedDrawing) -> FloatArray:
 
 
 def _tolerance(tones: PaintedTones) -> float:
-    """How far a color's tone may lie from what was meant."""
+    """Return how far the tone of a color may lie from the intended one."""
     return max(HALF_STEP, tones.noise)
 
 

@@ -1,4 +1,4 @@
-"""Small convolutional networks in plain arrays: what is left of them once they are trained."""
+"""Small convolutional networks at run time, in NumPy."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _kept = threading.local()
 
 def encoded(weights: Weights, seen: Array) -> list[Array]:
     """
-    Run the way down to coarser levels.
+    Run the encoder: from the input down to the coarsest level.
 
     Parameters
     ----------
@@ -32,7 +32,8 @@ def encoded(weights: Weights, seen: Array) -> list[Array]:
     Returns
     -------
     list of ndarray
-        State at each level, fine to coarse, the first of half the size of `seen`: until this thread runs a network again.
+        State at each level, fine to coarse; the first has half the size of `seen`. The arrays are overwritten when this
+        thread runs a network again.
     """
     states = [_rectified(_convolve(weights, "stem", _to_channels(seen)))]
     for level in range(LEVELS):
@@ -45,12 +46,12 @@ def encoded(weights: Weights, seen: Array) -> list[Array]:
 
 def field(weights: Weights, seen: Array) -> Array:
     """
-    Run a network that answers at each pixel.
+    Run a network with one output per pixel.
 
     Parameters
     ----------
     weights : dict
-        Those of `encoded`; for the way back up to level k `up.k.enter`, `up.k.first` and `up.k.second`; and `out`.
+        Those of `encoded`; `up.k.enter`, `up.k.first` and `up.k.second` of the decoder at level k; and `out`.
     seen : ndarray of float32, shape (C, S, S)
         Feature maps.
 
@@ -68,7 +69,7 @@ def field(weights: Weights, seen: Array) -> Array:
 
 def summary(weights: Weights, seen: Array) -> Array:
     """
-    Run a network that answers once for the whole.
+    Run a network with one output for the whole picture.
 
     Parameters
     ----------
@@ -96,7 +97,7 @@ def _block(weights: Weights, name: str, state: Array) -> Array:
 
 
 def _rectified(state: Array) -> Array:
-    """Set what is negative to zero, in place."""
+    """Set negative values to zero, in place."""
     return np.maximum(state, 0.0, out=state)
 
 
@@ -136,7 +137,7 @@ def _joined(weights: Weights, layer: str, coarse: Array, fine: Array) -> Array:
 
 
 def _overlap(shift: int, length: int, stride: int) -> tuple[slice, slice]:
-    """Which outputs look at an input, and which inputs those are, where output k looks at input stride * k + shift."""
+    """Return the slices of outputs and of inputs that overlap, where output k reads input stride * k + shift."""
     first = -(min(shift, 0) // stride)
     last = (length - 1 - shift) // stride + 1
     last = min(last, -(-length // stride))
@@ -144,7 +145,7 @@ def _overlap(shift: int, length: int, stride: int) -> tuple[slice, slice]:
 
 
 def _room(name: str, *shape: int) -> Array:
-    """Return memory for an array, this thread's own and kept: new memory costs more than the arithmetic."""
+    """Return this thread's buffer for an array; it is reused, because allocating costs more than the arithmetic."""
     rooms: dict[str, Array] = _kept.__dict__
     size = math.prod(shape)
     if name not in rooms or rooms[name].size < size:

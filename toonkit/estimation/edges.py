@@ -1,4 +1,4 @@
-"""Where a shape has edges, and how little the change of its normals is held together across them."""
+"""Edges of a shape, across which the change of the normals is not smoothed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def edge_links(
     grid: MaskedGrid, normals: FloatArray, painted: IlluminationInterval, *, turn: float, jump: float
 ) -> Links:
     """
-    Return the stiffness of the links between neighbors: one on smooth ground, next to nothing across an edge.
+    Return the weights of the links between neighbors: one on a smooth surface, nearly zero across an edge.
 
     Parameters
     ----------
@@ -25,10 +25,11 @@ def edge_links(
     painted : IlluminationInterval
         Range of illumination that each pixel's color allows, of a mixed pixel that of the nearer band; bounds of shape (P,).
     turn : float
-        How much normals turn, in radians per sqrt(object area), where a link has half its stiffness; on a ball it is 1.8
-        everywhere, and across an edge of 90 degrees that is a fiftieth of the object wide some 80.
+        Turn of the normals, in radians per sqrt(object area), at which a link has half its weight. On a ball normals
+        turn by 1.8 everywhere. Across an edge of 90 degrees that is as wide as a fiftieth of the object they turn by
+        about 80.
     jump : float
-        How far apart the ranges of two neighbors lie, in illumination, where their link has half its stiffness.
+        Distance between the ranges of two neighbors, in illumination, at which their link has half its weight.
 
     Returns
     -------
@@ -38,10 +39,11 @@ def edge_links(
 
     Notes
     -----
-    The ranges of two bands that follow each other in the color map meet. Colors that meet in the picture though others lie
-    between them are no shading bands of one smooth surface: there runs a contour, at which one part of the object ends in
-    front of another, or a crease. The sides of a drawn line count as neighbors, as the paint beneath it is that beside it.
-    Where a soft shading is so steep that neighbors skip a part of it, as close to a rim, links loosen too.
+    The ranges of two bands that follow each other in the color map touch. If two colors meet in the picture although
+    others lie between them in the color map, they are not bands of one smooth surface. There is a contour, where one
+    part of the object ends in front of another, or a crease. The two sides of a drawn line count as neighbors, because
+    the paint beneath a line continues the paint beside it. Links also weaken where soft shading is so steep that
+    neighbors skip a part of it, as near a rim.
     """
     links = np.empty(grid.neighbors.shape, np.float32)
     grid.bands.run(

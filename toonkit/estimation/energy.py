@@ -1,10 +1,10 @@
 """
 What the refinement minimizes (Section 3.3): the energies of the paper and of our own method, built from a drawing.
 
-Both are energies of unit normals N whose illumination L · N should lie within the interval that its pixel's color allows
-(Eq. 6). `printed_energy` is Eq. 5 as the paper prints it. `change_energy` is ours: it asks for a smooth *change* from the
-initial normals, and for a field that some surface could have. What is built is an energy object of `toonkit.numerics`, which
-every solver minimizes and which can be evaluated and differentiated without any.
+Both are energies of unit normals N whose illumination L · N should lie within the interval that the color of the pixel
+allows (Eq. 6). `printed_energy` is Eq. 5 of the paper. `change_energy` is ours: it prefers a smooth *change* from the
+initial normals, and normals of an actual surface. Both functions return an energy object of `toonkit.numerics`, which
+every solver can minimize and which can be evaluated and differentiated without a solver.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from toonkit.numerics.masked_grid import MaskedGrid, block_sums
 from toonkit.numerics.smoothness_energy import SmoothnessEnergy
 
 MARGIN_SHARE = 0.25
-"""Largest share of an interval, on either side, that the margin takes."""
+"""Largest margin, as a share of the interval."""
 
 MARGIN_PER_EXCESS = 2.0
 """Largest margin, as a multiple of the root mean square by which the start misses its intervals."""
 
 
 TINY, HUGE = 1e-6, 1e12
-"""Limits of what a refinement divides by: beyond them nothing changes, and squares would leave the range of floats."""
+"""Limits of options that a refinement divides by. Beyond them nothing changes, and squares would overflow."""
 
 LIMITS = {
     "margin": (0.0, 2.0, "illumination spans 2"),
@@ -53,27 +53,27 @@ class RefinementOptions:
     Attributes
     ----------
     margin : float
-        How far inside its interval a pixel is asked to be, in illumination; never more than a quarter of the interval, or
-        than twice what the start misses its intervals by, root mean square.
-        Without it every pixel that its interval moved would end exactly on a bound, and the smallest turn of the light
-        would flip its color: old band edges would show in the relit picture.
+        How far inside its interval the illumination of a pixel should be. It is at most a quarter of the interval, and
+        at most twice the root mean square by which the start misses its intervals. Without a margin, every pixel that
+        is moved ends exactly on a bound. The smallest turn of the light then flips its color, and old band edges show
+        in the relit picture.
     change_length : float
-        Over what length the change of the normals is smooth, in units of sqrt(object area).
+        Length over which the change of the normals is smooth, in units of sqrt(object area).
     change_reach : float
-        Over what length a change dies out where nothing asks for it, in the same units.
+        Length over which a change fades away from the pixels that cause it, in the same units.
     integrability_length : float
-        Over what length the field is integrable, in the same units.
+        Length over which the field is integrable, in the same units.
     crease_turn : float
-        How much the initial normals turn, in radians per sqrt(object area), where their change is held together half as
-        firmly: the edges of a cube stay edges.
+        Turn of the initial normals, in radians per sqrt(object area), at which the smoothness of their change has half
+        its weight. It keeps the edges of a cube sharp.
     color_jump : float
-        How far apart the illuminations of two neighbors' colors lie where their change is held together half as firmly:
-        colors that meet in the picture but not in the color map are no shading bands of one smooth surface.
+        Distance between the illuminations of two neighboring colors at which the smoothness between them has half its
+        weight. Colors that meet in the picture but not in the color map are not bands of one smooth surface.
     rim_hold : float
-        How firmly the silhouette's normals hold, 0 (free) to 1 (as firmly as neighbors hold each other).
+        Weight of the normals at the silhouette, from 0 (free) to 1 (the weight between neighbors).
     tolerance : float
-        Relative decrease of the energy in one cycle of the solver at which it stops: all others together would gain less
-        than that.
+        Relative decrease of the energy in one cycle at which the solver stops. All further cycles together would gain
+        less.
 
     Raises
     ------
@@ -161,8 +161,8 @@ def change_energy(
     options : RefinementOptions
         Weights.
     painted : IlluminationInterval, optional
-        What the colors by themselves allow, that is, without the range of mixed pixels; by default `allowed`. Where those of
-        neighbors lie apart, there is an edge.
+        Range that each color allows by itself, without the range of mixed pixels; `allowed` by default. If the ranges
+        of neighbors are apart, there is an edge.
 
     Returns
     -------
@@ -197,9 +197,9 @@ def _with_margin(
     allowed: IlluminationInterval, initial: FloatArray, light: FloatArray, margin: float
 ) -> tuple[FloatArray, FloatArray]:
     """
-    Move the bounds inward, except -1 and 1: those end the darkest and the brightest color, and are no band edges.
+    Move the bounds inward, except -1 and 1, which are not band edges.
 
-    The margin is for pixels that have to move: a start that already explains the picture is to stay as it is.
+    The margin depends on how far pixels have to move. A start that already explains the picture should stay as it is.
     """
     found = run_in_pieces(_occurring, len(initial), allowed, initial, light)
     missed, darkest, brightest = np.array(found).T

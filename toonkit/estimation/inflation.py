@@ -14,7 +14,8 @@ from toonkit.numerics.masked_grid import MaskedGrid, block_sums
 from toonkit.numerics.membrane import Membrane, solve_membrane, uniform_links
 
 RESIDUAL_TOLERANCE = 1e-5
-"""Relative residual of the harmonic solve: a few thousandths of a degree on average, far below the outline's own error."""
+"""Relative residual of the harmonic solve. It is worth a few thousandths of a degree on average, far less than the
+error of the outline."""
 
 
 def inflate(mask: ArrayLike, *, alpha: ArrayLike | None = None) -> NormalField:

@@ -1,4 +1,4 @@
-"""The light, when nobody gives it (Section 3.2, and the first item of the paper's future work)."""
+"""Estimation of the light (Section 3.2, and the first item of the paper's future work)."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from toonkit.model.normals import NormalField
 from toonkit.numerics.bands import single_threaded_blas
 
 LOWEST_ELEVATION = 5.0
-"""Degrees. Painted light grazing the image plane or from behind it is a fit to noise, not a light."""
+"""Degrees. An estimate below this elevation fits noise."""
 
 CLOSE = 10.0
 """Degrees within which an estimate counts as good: the illumination is then off by 0.17 at most, of a range of 2."""
@@ -57,12 +57,12 @@ class LightEstimate:
     light : ndarray, shape (3,)
         Unit vector from the surface to the light.
     confidence : float
-        Probability, as the estimator believes, that the true light is within 10 degrees of it; 0 to 1.
+        Estimated probability, 0 to 1, that the true light is within 10 degrees.
 
     Raises
     ------
     ToonkitError
-        If the light is no unit vector with z >= 0, or the confidence no number from 0 to 1.
+        If the light is not a unit vector with z >= 0, or the confidence is not a number from 0 to 1.
     """
 
     light: FloatArray
@@ -75,7 +75,7 @@ class LightEstimate:
 
     @property
     def is_guess(self) -> bool:
-        """Whether the picture does not say where its light is: the confidence is below `GUESS`."""
+        """Whether an estimate is a guess: its confidence is below `GUESS`."""
         return self.confidence < GUESS
 
     def __repr__(self) -> str:
@@ -93,13 +93,13 @@ def estimate_light(
     image : ToonImage or PreparedDrawing
         The picture.
     initial_normals : NormalField, optional
-        Inflated normals, if they are at hand.
+        Inflated normals, if they have been computed.
 
     Returns
     -------
     LightEstimate
-        The light, at least 5 degrees above the image plane, and how sure it is. A picture of one single color says
-        nothing: its light stands at the viewer with confidence 0.
+        The light, at least 5 degrees above the image plane, with its confidence. For a picture in a single color the
+        light is at the viewer, with confidence 0.
 
     Raises
     ------
@@ -108,11 +108,11 @@ def estimate_light(
 
     Notes
     -----
-    A network trained on shapes and color maps of its own sees mask, N0 and tones and answers with a distribution of
-    directions; see `toonkit.estimation.light_prior`. Some of them are tried: the better the learned shape under a light
-    explains the picture (`toonkit.estimation.shape_prior.misfit`), the likelier it becomes.
-    Its confidence counts in full where the light explains the shading of the inflated shape as a light should, and for
-    nothing where the shading runs against it.
+    A network sees the mask, N0 and the tones, and predicts a distribution of directions; see
+    `toonkit.estimation.light_prior`. A few likely directions are then tried. The better the learned shape under a light
+    explains the picture (`toonkit.estimation.shape_prior.misfit`), the more likely the light becomes. The confidence is
+    lowered where the light does not explain the shading of the inflated shape, down to zero where the shading
+    contradicts it.
     """
     drawing = prepare(image)
     if initial_normals is not None:
@@ -134,7 +134,7 @@ def estimate_light(
 
 def assume_light(image: ToonImage | PreparedDrawing) -> LightEstimate:
     """
-    Estimate the light, and where that is a guess, take `CUSTOMARY_LIGHT`.
+    Estimate the light, and fall back to `CUSTOMARY_LIGHT` if the estimate is a guess.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def assume_light(image: ToonImage | PreparedDrawing) -> LightEstimate:
     Returns
     -------
     LightEstimate
-        The light to go on with, and the confidence of the estimate.
+        The light to use, with the confidence of the estimate.
 
     Raises
     ------
@@ -159,12 +159,12 @@ def assume_light(image: ToonImage | PreparedDrawing) -> LightEstimate:
 
 def sharpen(belief: LightBelief, drawing: PreparedDrawing, initial_normals: NormalField) -> LightBelief:
     """
-    Sharpen a belief by how well the learned shape explains the picture under some of the lights it holds likely.
+    Update a predicted distribution by how well the learned shape explains the picture under likely lights.
 
     Parameters
     ----------
     belief : LightBelief
-        What is believed so far.
+        The predicted distribution.
     drawing : PreparedDrawing
         The drawing.
     initial_normals : NormalField
@@ -173,9 +173,9 @@ def sharpen(belief: LightBelief, drawing: PreparedDrawing, initial_normals: Norm
     Returns
     -------
     LightBelief
-        Moved and narrowed as the mean of the lights that were tried moves, and as they draw together, once each counts by
-        misfit^(-OBSERVATIONS / 2) as well: the likelihood of so many Gaussian residuals whose variance nobody knows. Misfits
-        that are all the same change nothing.
+        The updated distribution. Each light that was tried is weighted by misfit^(-OBSERVATIONS / 2), the likelihood of
+        that many Gaussian residuals of unknown variance. The distribution moves and narrows as the weighted mean and
+        spread of these lights do. Equal misfits change nothing.
     """
     lights = candidates(belief)
     believed = belief.concentration * (lights @ belief.light)
@@ -188,7 +188,7 @@ def sharpen(belief: LightBelief, drawing: PreparedDrawing, initial_normals: Norm
 
 
 def candidates(belief: LightBelief) -> FloatArray:
-    """Return lights to try, shape (n, 3): the believed one first, then a ring around it, but for those that are too low."""
+    """Return lights to try, shape (n, 3): the likeliest one, then those of a ring around it that are not too low."""
     spread = float(np.clip(belief.concentration**-0.5, *SPREADS))
     light = belief.light
     beside = np.cross(light, [0.0, 1.0, 0.0] if abs(light[1]) < 0.9 else [1.0, 0.0, 0.0])

@@ -1,8 +1,8 @@
 """
-A learned look at the light: where it comes from, and how sure that is.
+A learned distribution of the direction of the light.
 
-A small convolutional network sees the drawing on a square of `SIZE` pixels. It was trained by
-`python -m toonkit.training light` on shapes and color maps of its own; `weights/light_prior.json` says how.
+A small convolutional network sees the drawing on a square of `SIZE` pixels. `python -m toonkit.training light` trained
+it on generated shapes and color maps; `weights/light_prior.json` records how.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ CHANNELS = 7
 """Feature maps of `features`."""
 
 LEAST_CONCENTRATION = 0.05
-"""Of a belief that knows nothing: nearly the same for all directions."""
+"""Concentration without any information: nearly uniform over all directions."""
 
 CERTAINTIES = (-4.0, 8.0)
 """Limits of the network's fourth number, the logarithm of a concentration."""
 
 TURNS = tuple((quarter, mirrored) for mirrored in (False, True) for quarter in range(4))
-"""Quarter turns and reflections in which the network is asked; its answers are averaged."""
+"""Quarter turns and reflections in which the network is evaluated; the results are averaged."""
 
 
 @dataclass(frozen=True, eq=False)
 class LightBelief:
     """
-    What the network believes about the light: a von Mises-Fisher distribution on the sphere.
+    The predicted distribution of the light: von Mises-Fisher, on the sphere.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class LightBelief:
 
 def believed_light(drawing: ToonImage | PreparedDrawing, initial_normals: NormalField) -> LightBelief:
     """
-    Ask the network for the light.
+    Predict the light with the network.
 
     Parameters
     ----------
@@ -71,8 +71,8 @@ def believed_light(drawing: ToonImage | PreparedDrawing, initial_normals: Normal
     Returns
     -------
     LightBelief
-        Mean and concentration. Of several islands, which one light shines on, the mean by area of what each says: copies of
-        one drawing say no more than one.
+        Mean and concentration. Several islands share one light: their predictions are averaged by area, so that copies
+        of a drawing do not count as further evidence.
     """
     drawing = prepare(drawing)
     islands = [drawing.islands[k] for k in drawing.telling_islands]
@@ -94,7 +94,7 @@ def believed_light(drawing: ToonImage | PreparedDrawing, initial_normals: Normal
 
 
 def _seen_on(overview: Overview) -> LightBelief:
-    """Ask the network about one island."""
+    """Predict the light of one island."""
     square = WorkingSquare.around(overview.grid, np.array([1.0, 0.0]))
     mask, ink, tones, initial = overview.seen_from(square)
     if not mask.any():  # a line thinner than the square's pixels
@@ -112,7 +112,7 @@ def _seen_on(overview: Overview) -> LightBelief:
 
 def features(tones: Array, mask: BoolArray, ink: BoolArray, initial_normals: Array) -> Array:
     """
-    Describe a drawing to the network.
+    Return the input of the network.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def features(tones: Array, mask: BoolArray, ink: BoolArray, initial_normals: Arr
 
 
 def concentration(raw: float) -> float:
-    """Map the network's fourth number, any, to a concentration between 0.05 and some thousands."""
+    """Map the network's fourth output, any real number, to a concentration between 0.05 and a few thousand."""
     return float(LEAST_CONCENTRATION + np.exp(np.clip(raw, *CERTAINTIES)))
 
 
@@ -156,7 +156,7 @@ def turned(seen: Array, quarters: int, mirrored: bool) -> Array:
 
 
 def _undone(answer: Array, quarters: int, mirrored: bool) -> FloatArray:
-    """Bring an answer (light and concentration) about turned features back to the picture's axes."""
+    """Turn a prediction (light and concentration) for turned features back to the axes of the picture."""
     x, y, z, certainty = (float(value) for value in answer)
     for _ in range(quarters):
         x, y = y, -x

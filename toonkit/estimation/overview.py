@@ -14,7 +14,7 @@ from toonkit.model.luminance import REC709, linear_to_srgb
 from toonkit.numerics.masked_grid import OUTSIDE, Coarsening, IndexArray, MaskedGrid
 
 LONGEST = 320
-"""Pixels of the object's longer side at most: three or less to a pixel of the working square."""
+"""Most pixels of the object's longer side. At most three of them fall into a pixel of the working square."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class ReducedPaint:
     filled : ndarray, shape (Q',)
         bool, which of those blocks are on the grid.
     tones : ndarray, shape (Q,)
-        Tone of each block's mean light, plain: what the same drawing shows that was reduced before it was given.
+        Plain tone of the mean light of each block: the tone that the drawing would have had at this size.
     ink : ndarray, shape (Q,)
         bool, the blocks of whose object ink touches at least half.
     """

@@ -1,4 +1,4 @@
-"""What a drawing's colors say before any illumination is known: their order, and which are mixtures (Section 3.2)."""
+"""The order of a drawing's colors, and which of them are mixtures, before any illumination is known (Section 3.2)."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ FLAT = 2.5 / 255
 """Colors of one band differ by less than this: rounding, and a compressor's noise."""
 
 FLAT_NEIGHBORS = 4
-"""Neighbors of its own tone that a pixel of a band has at least; of a band two pixels wide, five."""
+"""Fewest neighbors of its own tone that a pixel of a band has. In a band two pixels wide it is five."""
 
 MIXING_REACH = 2
 """An anti-aliased band edge is at most this many pixels away from the bands it mixes."""
 
 LEVELS = 65_536
-"""Tones that are told apart where pixels are put in their order: as many as a picture of 16 bits a channel has."""
+"""Number of tones that are distinguished when pixels are sorted: as many as a channel of 16 bits has."""
 
 _PAIRS = ((0, 1), (1, 0), (1, 1), (1, -1))
 """(row, column) steps to four of a pixel's eight neighbors; the other four see it by the same steps."""
@@ -56,9 +56,9 @@ class PaintedTones:
     """
     Tones of an object's pixels, in row-major order.
 
-    A mixed pixel of an anti-aliased band edge is one that is not flat itself, has a flat pixel that is darker and one that
-    is brighter within `MIXING_REACH` pixels, and a tone strictly between theirs; wider transitions are left alone. Flat is
-    a pixel with the tone of four of its neighbors, or of all where it has fewer.
+    A pixel is flat if it has the tone of at least four of its neighbors, or of all of them if it has fewer. A pixel is
+    mixed if it is not flat and its tone lies strictly between those of a darker and a brighter flat pixel within
+    `MIXING_REACH` pixels. Wider transitions are not mixtures.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""A prepared drawing: islands, ink, materials and the inflated shape (Section 3.1), derived once for all that follows."""
+"""A prepared drawing: islands, ink, materials and the inflated shape (Section 3.1), derived once and then reused."""
 
 from __future__ import annotations
 
@@ -42,19 +42,19 @@ WHATEVER_MATERIALS = (
 
 class PreparedDrawing:
     """
-    A drawing and what is derived from it alone, whatever the light: each part is computed when it is first asked for.
+    A drawing and everything that is derived from it alone. Each part is computed when it is first used.
 
-    It stands for its picture wherever a function takes a picture.
+    Functions that take a picture also take a prepared drawing.
 
-    Everything is computed on the object's bounding box, so that neither the answer nor time and memory depend on what is
-    around the object. Arrays are compact: one entry for each of the object's P pixels, in row-major order.
+    Everything is computed on the object's bounding box, so that the background changes neither the result nor time and
+    memory. Arrays are compact: one entry for each of the object's P pixels, in row-major order.
 
     Parameters
     ----------
     image : ToonImage
         The drawing.
     materials : array_like of int, shape (H, W), optional
-        Its materials, if somebody knows them: see `prepare`.
+        Its materials, if they are known: see `prepare`.
 
     Raises
     ------
@@ -78,7 +78,7 @@ class PreparedDrawing:
         return f"PreparedDrawing({describe_object(self.mask)})"
 
     def with_materials(self, materials: ArrayLike) -> PreparedDrawing:
-        """Return the drawing with other materials, as `prepare` takes them; they share what does not depend on them."""
+        """Return the drawing with other materials, as `prepare` takes them; both share all that is independent of these."""
         other = PreparedDrawing(self.image, materials)
         for name in WHATEVER_MATERIALS:
             if name in self.__dict__:
@@ -117,7 +117,7 @@ class PreparedDrawing:
 
     @cached_property
     def ink(self) -> Ink:
-        """The lines over the paint, on the object's frame. What one shaded material explains without any has none."""
+        """The lines over the paint, on the object's frame. A drawing that one shaded material explains has no ink."""
         ink = find_ink(self.frame, hard_edges=self.is_pixel_art)
         if ink.coverage.any() and not ink.outlined and shows_one_ramp(self.frame, self.framed_normals):
             return replace(ink, coverage=np.zeros_like(ink.coverage), only_lines=False)
@@ -125,7 +125,7 @@ class PreparedDrawing:
 
     @cached_property
     def inked(self) -> BoolArray:
-        """Which of the object's pixels ink covers, if only in part, shape (P,)."""
+        """Which of the object's pixels ink covers at least in part, shape (P,)."""
         return self.frame.compact(self.ink.coverage) > 0
 
     @property
@@ -220,7 +220,7 @@ class PreparedDrawing:
 
     @cached_property
     def telling_islands(self) -> tuple[int, ...]:
-        """Numbers of the islands whose shading says where the light is: the largest ones, `TELLING` at most."""
+        """Numbers of the islands from which the light is estimated: the largest ones, at most `TELLING`."""
         by_area = sorted(range(len(self.islands)), key=lambda k: -self.islands[k].grid.size)
         least = TELLING_SHARE * self.islands[by_area[0]].grid.size
         return tuple(k for k in by_area[:TELLING] if self.islands[k].grid.size >= least)
@@ -274,7 +274,7 @@ def prepare(
     Parameters
     ----------
     drawing : ToonImage or PreparedDrawing
-        The drawing; one that is prepared returns as it is, unless other materials are given.
+        The drawing. A prepared drawing is returned unchanged, unless materials are given.
     materials : array_like of int, shape (H, W), or Materials, optional
         Number of the material of each pixel, 0 and up, and -1 where that is left to toonkit; ignored outside the mask.
         Found if not given.
@@ -282,12 +282,13 @@ def prepare(
     Returns
     -------
     PreparedDrawing
-        The drawing with all that is derived from it. Pass it on instead of the picture, and nothing is derived twice.
+        The prepared drawing. Pass it on instead of the picture, so that nothing is computed twice.
 
     Raises
     ------
     ToonkitError
-        If the drawing is neither, its object has more than `MOST_PIXELS` pixels, or the materials are no such numbers.
+        If the drawing is of another type, its object has more than `MOST_PIXELS` pixels, or the materials are not such
+        numbers.
     """
     if isinstance(materials, Materials):
         materials = materials.labels

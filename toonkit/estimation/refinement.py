@@ -1,4 +1,4 @@
-"""Normal refinement (Section 3.3): an energy and a solver make normals."""
+"""Normal refinement (Section 3.3): build an energy and minimize it."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ from toonkit.numerics.unit_field import solve_unit_field
 Progress = Callable[[float], None]
 
 FARTHEST = 2.0
-"""How far from zero a bound of illumination may lie: with a margin, somewhat beyond what a light makes."""
+"""Largest absolute value of a bound of illumination. A margin may move bounds beyond -1 and 1."""
 
 NEGLIGIBLE = 1.5e-5
-"""Squared illumination, a step of an 8-bit picture: a cycle that gains less than this per pixel is the last."""
+"""Squared illumination of one step of an 8-bit picture. A cycle that gains less than this per pixel is the last one."""
 
 SWEEP_RELAXATION, MAX_SWEEPS, SWEEP_TOLERANCE = 1.5, 500, 1e-5
 """How the paper's solver runs: over-relaxation factor, sweeps allowed, and the relative decrease of the energy in one sweep
@@ -79,15 +79,14 @@ def refine(
     light : array_like, shape (3,) or (2,)
         Direction from the surface to the light, or its azimuth and elevation in degrees.
     interval : IlluminationInterval
-        Range of illumination that each pixel's color allows, bounds of shape (H, W). Where those of neighbors lie apart runs
-        an edge; a mixed pixel whose range spans both sides hides it.
+        Range of illumination that each pixel's color allows, bounds of shape (H, W). If the ranges of neighbors are
+        apart, there is an edge between them. A mixed pixel whose range spans both sides hides it.
     alpha : array_like, shape (H, W), optional
         Coverage in [0, 1], which places the outline between pixels; the mask's own by default.
     options : RefinementOptions, optional
         Weights.
     guess : NormalField, optional
-        Where to start looking: the answer to a problem like this one, under a light nearby or with other weights, makes it
-        quick.
+        Start of the search. The result under a nearby light or with other weights makes it faster.
     progress : callable, optional
         Called with the fraction done, 0 to 1; what it raises stops the refinement.
 

@@ -1,4 +1,4 @@
-"""Filling gaps between known pixels: ring by ring, each pixel from the neighbor whose color is nearest to its own."""
+"""Fill gaps between known pixels ring by ring: each pixel takes the neighbor whose color is nearest to its own."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from toonkit.numerics.compiled import njit
 Labels = NDArray[np.int32]
 
 ANY_DISTANCE = 1 << 30
-"""Rings after which nothing is left to fill."""
+"""More rings than any picture has."""
 
 
 def nearest_sources(
@@ -35,8 +35,8 @@ def nearest_sources(
     Returns
     -------
     ndarray of int32, shape (h, w)
-        Flat index of the source, -1 where there is none. The order of the pixels does not matter: a mirrored picture has
-        the mirrored sources, except among sources of one color.
+        Flat index of the source, -1 where there is none. The result does not depend on the order of the pixels: a
+        mirrored picture has mirrored sources, except among sources of one color.
     """
     source = np.full(known.size, -1, np.int32)
     inside = np.flatnonzero(known)

@@ -1,8 +1,8 @@
 """
 Flat shading: color maps for materials that are painted in one tone.
 
-Such a material says nothing about the light that it was painted in, yet it should answer to a new one as the rest of the
-drawing does: by the tone steps of the materials that are shaded, or, where none is, by a plain shadow.
+Such a material does not show how its color changes with the light. It gets shadows like those of the shaded materials,
+or a plain shadow if there are none.
 """
 
 from __future__ import annotations
@@ -21,25 +21,25 @@ SAMPLES = 256
 """Samples of a derived color map, over all illuminations."""
 
 DARKNESS = (0.6, 0.9)
-"""OKLab lightness of a derived shadow relative to the lit tone, at least and at most."""
+"""Least and greatest OKLab lightness of a derived shadow, relative to the lit tone."""
 
 FADE = (0.7, 1.3)
-"""Chroma of a derived shadow relative to that of the lit tone, at least and at most."""
+"""Least and greatest chroma of a derived shadow, relative to that of the lit tone."""
 
 MOST_TINT = 0.03
-"""By how much a derived shadow's color leans toward another hue at most, OKLab, on white."""
+"""Greatest tint of a derived shadow, in OKLab, on white."""
 
 EDGE = (-0.2, 0.6)
-"""Illumination at which a derived shadow begins, at least and at most."""
+"""Least and greatest illumination at which a derived shadow begins."""
 
 WIDTH = (0.04, 0.8)
-"""Over how much illumination a derived shadow passes to the lit tone, at least and at most."""
+"""Least and greatest width, in illumination, of the transition from a derived shadow to the lit tone."""
 
 LEAST_STEP = 0.03
-"""OKLab lightness by which a material's tones differ at least, for its shadow to serve as an example."""
+"""Least difference of OKLab lightness between a material's tones for its shadow to serve as an example."""
 
 LEAST_SHARE = 0.02
-"""Share of the object that shaded materials have at least, for their shadows to serve as examples."""
+"""Least share of the object that shaded materials must cover for their shadows to serve as examples."""
 
 
 @dataclass(frozen=True)
@@ -54,11 +54,11 @@ class Shadow:
     fade : float
         Its chroma, relative.
     tint : (float, float)
-        What its OKLab a and b have in addition, relative to the lit tone's lightness.
+        Offset of its OKLab a and b, relative to the lightness of the lit tone.
     edge : float
         Illumination halfway between shadow and light.
     width : float
-        Over how much illumination the one passes to the other.
+        Width of the transition, in illumination.
     """
 
     darkness: float
@@ -86,12 +86,12 @@ def _shadow_on_white(linear: tuple[float, float, float], edge: float, width: flo
 
 
 PLAIN = _shadow_on_white((0.55, 0.52, 0.66), edge=0.25, width=0.12)
-"""A cool shadow that covers somewhat less than half of a ball lit from the side."""
+"""A cool shadow. It covers a little less than half of a ball that is lit from the side."""
 
 
 def derived_shadow(color_maps: Sequence[ColorMap], areas: FloatArray) -> Shadow:
     """
-    Read from shaded materials how a drawing paints its shadows.
+    Derive the shadow of flat materials from the shaded ones.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def derived_shadow(color_maps: Sequence[ColorMap], areas: FloatArray) -> Shadow:
     Returns
     -------
     Shadow
-        The median, by area, of their shadows; a plain one where there are too few.
+        The median of their shadows, by area; a plain shadow if there are too few.
     """
     found = [_shadow_of(color_map) for color_map in color_maps]
     kept = [(shadow, area) for shadow, area in zip(found, areas, strict=True) if shadow is not None]

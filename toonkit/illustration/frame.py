@@ -1,4 +1,4 @@
-"""The part of a picture that is worked on: the object's bounding box with a margin, so that padding changes nothing."""
+"""The object's bounding box with a margin. All work is done on it, so that padding a picture changes nothing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from toonkit.model.oklab import Lab, tabulated_oklab
 from toonkit.numerics.masked_grid import Box, bounding_box
 
 MARGIN = 1
-"""Pixels around the bounding box: every pixel of the object then has eight neighbors."""
+"""Margin around the bounding box, in pixels, so that every pixel of the object has eight neighbors."""
 
 
 @dataclass(frozen=True, eq=False)

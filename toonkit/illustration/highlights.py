@@ -1,8 +1,9 @@
 """
 Highlights: small bright spots of light on materials, which no color map explains.
 
-Only what hardly can be anything else counts: a small, bright, pale piece of one color, enclosed by larger and darker
-materials that show their lit tones around it, and one of a few there. Eyes, teeth and patterns are materials of their own.
+A highlight is a small, bright, pale piece of one color. Larger and darker materials enclose it and show their lit tones
+around it, and there are only a few of its kind. The criteria are strict, because eyes, teeth and patterns look similar
+but are materials.
 """
 
 from __future__ import annotations
@@ -20,45 +21,46 @@ from toonkit.illustration.ramps import Groups
 from toonkit.illustration.tones import Tones
 
 BRIGHTER = 0.06
-"""OKLab lightness by which a highlight is brighter than the paint around it, at least."""
+"""Least difference of OKLab lightness between a highlight and the paint around it."""
 
 PALEST = 0.02
-"""OKLab chroma that a highlight may have beyond that of the paint around it."""
+"""Greatest OKLab chroma of a highlight beyond that of the paint around it."""
 
 BRIGHT = 0.75
-"""OKLab lightness of a highlight, at least."""
+"""Least OKLab lightness of a highlight."""
 
 PALE = 0.06
-"""OKLab chroma of a highlight on a material that somebody named, at most."""
+"""Greatest OKLab chroma of a highlight on a given material."""
 
 EVEN = 0.06
-"""Range of OKLab lightness within the color of a highlight, at most."""
+"""Greatest range of OKLab lightness within a highlight."""
 
 ENCLOSED, LIT = 0.55, 0.5
-"""Shares of a highlight's perimeter along larger materials that are darker, and along their lit tones, at least."""
+"""Least shares of a highlight's perimeter that border on larger, darker materials, and on their lit tones."""
 
 APART = 0.15
-"""Share of its perimeter along other paint, a pupil say, at most."""
+"""Greatest share of its perimeter that borders on other paint, such as a pupil."""
 
 LIT_RANGE = 0.03
-"""OKLab lightness down to which a tone is as lit as its material's brightest."""
+"""Greatest difference of OKLab lightness from the brightest tone of the material for a tone to count as lit."""
 
 LARGEST, LARGEST_TOGETHER, LARGEST_BESIDE = 0.05, 0.12, 0.3
-"""Area of a highlight at most: shares of the object, of it for all of one color, and of a material around it."""
+"""Greatest area of a highlight: as a share of the object, of the object for all highlights of one color together, and
+of the material around it."""
 
 SEVERAL, ALIKE = 2, 0.25
-"""Highlights on one piece of paint, at most, of those that are not far smaller than the largest: more are a pattern."""
+"""Most highlights of similar size on one piece of paint. More of them are a pattern."""
 
 TOUCHING, SPOTS = 0.05, 0.8
-"""Of a color that a material shows among others: share of a spot's perimeter along that material at most, if the spot lies
-on another one, and share of the color's area that spots have, at least."""
+"""For a color that also occurs within a material: the greatest share of a spot's perimeter along that material, if the
+spot lies on another one, and the least share of the color's area that spots cover."""
 
 JUMP, LARGEST_NAMED = 0.25, 0.3
-"""Of a material that somebody named: OKLab lightness by which a highlight is brighter than every other large tone, and its
-share of the material at most."""
+"""For a given material: the least difference of OKLab lightness between a highlight and every other large tone, and its
+greatest share of the material."""
 
 LARGE = 0.05
-"""Share of a material from which a tone counts as a large one."""
+"""Least share of a material that a large tone covers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,13 +82,13 @@ def find_highlights(tones: Tones, group: Groups) -> BoolArray:
     tones : Tones
         The tones of a drawing.
     group : ndarray of int, shape (n,)
-        Material of each tone, 0 to below m; highlights of one color may be one of its own, or the brightest tones of one
-        whose ramp they happen to fit: then there must be some on another material.
+        Material of each tone, 0 to m - 1. Highlights of one color may be a material of their own here. They may also be
+        the brightest tones of a material whose ramp they happen to fit, if some of them lie on another material.
 
     Returns
     -------
     ndarray of bool, shape (h, w)
-        True on highlights, whatever lies beneath them.
+        True on highlights.
     """
     color, home = _bright_colors(tones, group)
     painted = tones.labels >= 0
@@ -127,14 +129,14 @@ def find_highlights(tones: Tones, group: Groups) -> BoolArray:
 
 def find_named_highlights(tones: Tones, materials: Labels) -> BoolArray:
     """
-    Find the pixels of highlights on materials that somebody named.
+    Find the pixels of highlights on given materials.
 
     Parameters
     ----------
     tones : Tones
         The tones of a drawing.
     materials : ndarray of int, shape (h, w)
-        Material of each pixel, -1 where nobody named one.
+        Material of each pixel, -1 where none is given.
 
     Returns
     -------

@@ -1,10 +1,11 @@
 """
 Ink: thin lines over the paint.
 
-A line is darker than the paint on both of its sides and narrower than the object by far. Shading makes such dark strips,
-too: the crescent of shadow along a silhouette, and the gap between two parts. What tells ink apart is its color. The
-color of an outline follows the silhouette all around, also where it faces the light, which the shadow color of a closed
-shape never does. The color of inner lines occurs nearly nowhere else; that of shading also lies on the silhouette.
+A line is darker than the paint on both of its sides, and much narrower than the object. Shading makes such dark strips,
+too: a crescent of shadow along the silhouette, or the gap between two parts. Ink differs from shading in where its
+color occurs. The color of an outline follows the silhouette all around, also where it faces the light. The shadow color
+of a closed shape never does. The color of inner lines occurs almost nowhere else, whereas the color of shading also
+occurs along the silhouette.
 """
 
 from __future__ import annotations
@@ -21,16 +22,17 @@ from toonkit.illustration.frame import Frame
 from toonkit.model.oklab import Lab
 
 WIDEST = 0.035
-"""Width of a line at most, in square roots of the object's area."""
+"""Greatest width of a line, in square roots of the object's area."""
 
 SMALLEST = 50.0
-"""Square root of the area, in pixels, up to which lines are at most two pixels wide; above, at least four."""
+"""Square root of the area, in pixels, up to which lines are at most two pixels wide. In larger objects lines may be
+four pixels wide or more."""
 
 TINY = 16.0
 """Square root of the area, in pixels, up to which paint may be as narrow as lines."""
 
 DARKER = 0.07
-"""OKLab lightness by which a line is darker than the paint beside it."""
+"""Least difference of OKLab lightness between a line and the paint beside it."""
 
 SAME_INK = 0.06
 """OKLab distance within which colors are one ink."""
@@ -39,38 +41,38 @@ MIXING_REACH = 2
 """Pixels beside a line that may be mixed with it."""
 
 OFF_MIXTURE = 0.12
-"""How far from the mixtures of ink and paint a mixed pixel may be, sRGB."""
+"""Greatest distance of a mixed pixel from the mixtures of ink and paint, in sRGB."""
 
 LEAST_COVERAGE = 0.12
 """Coverage below which a pixel counts as paint."""
 
 PIECE = 0.65
-"""Share of a color that lies in strips from which it may be the ink of a part of the outline."""
+"""Least share of a color that lies in strips, for it to be the ink of a part of the outline."""
 
 BLACK = 0.2
 """OKLab lightness below which a color is seldom a shadow."""
 
 ENCLOSED, ENCLOSED_BY_BLACK = 0.75, 0.62
-"""How much of the silhouette ink follows, on opposite sides at once, that is surely an outline. The shading of one material
-follows less: its darkest color lies where the silhouette faces away from the light, and along gaps between parts."""
+"""Least share of the silhouette that an outline follows, on opposite sides at once. The shading of one material follows
+less of it: its darkest color lies where the silhouette faces away from the light, and along gaps between parts."""
 
 SPECK = 0.0008
-"""Share of the object: less ink of one color is none."""
+"""Least share of the object that the ink of one color covers."""
 
 PAINT = 0.05
-"""Coverage below which a pixel shows paint and nothing else."""
+"""Coverage below which a pixel shows only paint."""
 
 CELL, CELLS, LOWEST = 0.042, 40, -14
 """Histogram of colors: width of a cell in OKLab, cells along each axis, and number of the first."""
 
 INKS = 6
-"""Colors that are looked at, at most."""
+"""Most colors that are examined."""
 
 
 @dataclass(frozen=True, eq=False)
 class Ink:
     """
-    Where ink lies: a pixel shows coverage * color + (1 - coverage) * the paint beneath, in sRGB.
+    The ink of a drawing. A pixel shows coverage * color + (1 - coverage) * the paint beneath, in sRGB.
 
     Attributes
     ----------
@@ -79,7 +81,7 @@ class Ink:
     color : ndarray, shape (h, w, 3)
         sRGB of the ink; meaningless where coverage is 0.
     outlined : bool
-        Whether ink follows so much of the silhouette that no shading does the same.
+        Whether ink follows more of the silhouette than shading can.
     only_lines : bool
         Whether the drawing has nothing but lines: no paint, or blank paper beneath.
     """
@@ -108,7 +110,7 @@ def find_ink(frame: Frame, *, hard_edges: bool = False) -> Ink:
     frame : Frame
         The object.
     hard_edges : bool, optional
-        True for pixel art, in which each pixel is either ink or paint: a tone between theirs is paint.
+        True for pixel art, in which each pixel is either ink or paint. Tones between ink and paint count as paint.
 
     Returns
     -------

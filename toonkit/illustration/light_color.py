@@ -1,4 +1,4 @@
-"""Colored light, and light from all sides, on paint whose shadow and lit tone are known."""
+"""Colored light and ambient light on paint whose shadow and lit tone are known."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from toonkit.numerics.compiled import njit
 @dataclass(frozen=True, eq=False)
 class LightColor:
     """
-    What light other than white, from one side, does to the materials of a drawing.
+    The effect of colored and ambient light on the materials of a drawing.
 
     Attributes
     ----------
     color : ndarray, shape (3,)
-        The light's color in linear light, 1 in each channel for white.
+        Color of the light in linear light; 1 in each channel is white.
     ambient : float
         How much light comes from all sides, 0 to 1.
     shadows, lit_tones : ndarray, shape (count, 3)

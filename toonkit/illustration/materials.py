@@ -1,9 +1,9 @@
 """
 Materials: which pixels are painted with the same ramp of colors.
 
-The paint beside the ink falls into zones that are flat or change smoothly, their colors into tones, and tones into
-materials. A wrong merge bleeds one material's color into another; a wrong split only leaves some painted shading behind. So
-in doubt tones stay apart.
+The paint beside the ink is divided into zones that are flat or change smoothly. The colors of zones are grouped into
+tones, and tones into materials. A wrong merge bleeds one material's color into another, whereas a wrong split only
+leaves some painted shading behind. Therefore tones stay apart in doubt.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ STRAY_SHARE = 0.1
 """Share of a material below which a tone is rare in it."""
 
 DETAIL = 0.002
-"""Share of the object up to which a material is a detail, an eye or a button: too small to show how light falls."""
+"""Share of the object up to which a material is a detail, such as an eye or a button. It is too small to show the
+light."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +81,7 @@ def label_materials(
     normals : ndarray, shape (h, w, 3)
         Initial normals of the silhouette.
     labels : ndarray of int, shape (h, w), optional
-        The materials, 0 and up, if somebody knows them; -1 where not even they do.
+        Given materials, 0 and up; -1 where they are unknown.
 
     Returns
     -------

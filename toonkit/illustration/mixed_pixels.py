@@ -1,4 +1,4 @@
-"""Mixed pixels: those that show more than the paint of their own material, be it ink or the paint of a neighbor."""
+"""Mixed pixels: pixels that show ink or the paint of a neighboring material beside their own paint."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from toonkit.illustration.filling import Labels
 from toonkit.model.luminance import luminance
 
 REACH = 2
-"""Pixels from a border within which paint may be mixed with that on its other side."""
+"""Distance from a border, in pixels, within which paint may be mixed with that on the other side."""
 
 OFF_MIXTURE = 0.1
-"""How far a pixel may lie from the mixtures of two paints and still be one, sRGB."""
+"""Greatest distance of a mixed pixel from the mixtures of two paints, in sRGB."""
 
 LEAST_APART = 0.02
-"""Distance of two paints, sRGB, below which their mixtures cannot be told from them."""
+"""Distance of two paints, in sRGB, below which their mixtures cannot be distinguished from the paints."""
 
 Indices = NDArray[np.intp]
 
@@ -26,7 +26,7 @@ Indices = NDArray[np.intp]
 @dataclass(frozen=True, eq=False)
 class MixedPixels:
     """
-    Pixels whose colors are composed of other pixels' paint, and of ink, which no light changes.
+    Pixels whose colors are composed of the paint of other pixels and of ink, which no light changes.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ def mixtures(
     highlights : ndarray of bool, shape (h, w)
         Pixels that show a highlight.
     mask : ndarray of bool, shape (h, w)
-        The object; False within `REACH` of the border of the array is not needed, within one pixel it is.
+        The object; False on the border of the array.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Noise of a compressor: paint whose colors waver by some steps and run into each other along borders, as in JPEG files."""
+"""Compression noise, as in JPEG files: colors of flat paint vary by a few steps, and hues run across borders."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from toonkit.model.oklab import Lab, tabulated_oklab
 from toonkit.numerics.compiled import njit
 
 WAVERS = 16
-"""Steps of an 8-bit channel within which neighbors are the same paint that wavers, and not an edge."""
+"""Difference, in steps of an 8-bit channel, up to which neighbors are the same paint with noise and not an edge."""
 
 NOISY, ROUGH = 0.2, 1.05
-"""Share of the pixels that waver, at least, and their second differences relative to first ones: clean gradients stay
-below 0.8, and clean flat colors hardly waver."""
+"""Least share of noisy pixels, and least ratio of their second to their first differences. Clean gradients stay below
+0.8, and clean flat colors have hardly any noisy pixels."""
 
 ALIKE, PASSES = 20, 3
 """Steps of a channel within which neighbors are averaged, and how often."""
@@ -29,20 +29,20 @@ STEADY = 12
 """Steps of a channel within which a pixel and its eight neighbors are the same paint, away from borders."""
 
 REACH = 6
-"""Pixels beside a border whose hue may be another paint's."""
+"""Distance from a border, in pixels, within which the hue may be that of another paint."""
 
 LUMA = np.array([0.299, 0.587, 0.114])
 """JPEG's luma of a color in sRGB (ITU-R BT.601)."""
 
 SAME_LUMA = 12 / 255
-"""Luma by which pixels beside a border may differ from their own paint: compressors keep it better than hue."""
+"""Greatest difference of luma between pixels near a border and their own paint. Compression keeps luma better than hue."""
 
 FEWEST = 12
-"""Pixels of a flat zone, at least."""
+"""Fewest pixels of a flat zone."""
 
 FLAT, NEAR, AROUND = 0.9, 5, 16
-"""Share of a flat zone's middle, at least, whose colors are near its median, and steps of a channel: how near these are, and
-how far from it colors are taken for it."""
+"""Least share of a flat zone's middle whose colors are near its median; and, in steps of a channel, how near they must
+be, and how far from the median colors are replaced by it."""
 
 ONE_COLOR = 6
 """Steps of a channel within which two flat zones are of one color."""
@@ -60,7 +60,7 @@ def without_noise(frame: Frame) -> Frame:
     Returns
     -------
     Frame
-        The same with clean colors; a drawing without noise returns as it is.
+        The same with clean colors. A drawing without noise is returned unchanged.
     """
     if not _wavers(frame):
         return frame

@@ -1,7 +1,7 @@
 """
-The palette of pixel art: the few colors of a drawing whose edges are hard, and the ramp of them that each material has.
+The palette of pixel art: the few colors of a drawing with hard edges, and the ramp that each material has of them.
 
-A relit picture of such a drawing is painted in the same colors, as its artist would do it.
+Relit pictures of such a drawing use the same colors, as its artist would.
 """
 
 from __future__ import annotations
@@ -27,29 +27,30 @@ from toonkit.numerics.masked_grid import bounding_box
 Counts = NDArray[np.intp]
 
 FEW_COLORS = 64
-"""Colors of a drawing, each at each opacity counted, up to which it may be pixel art."""
+"""Most colors of pixel art, counting a color at each opacity separately."""
 
 FEWEST_PIXELS, MOST_SCATTERED = 4.0, 0.5
-"""Pixels for each color at least, in the mean, and share of scattered colors at most: those of which most pixels have no
-neighbor of the same color. An anti-aliased picture that is tiny or has few edges has few colors, too, but most of them are
-mixtures, which scatter along its edges."""
+"""Fewest pixels per color, on average, and the greatest share of scattered colors. A color is scattered if most of its
+pixels have no neighbor of the same color. A small anti-aliased picture has few colors, too, but most of them are
+mixtures, which are scattered along its edges."""
 
 SAME = 1e-6
-"""Difference in each channel below which colors are one: those of a file are equal, those that were computed nearly."""
+"""Difference in each channel below which colors are equal. Computed colors differ by rounding."""
 
 SMALL, DETAILED = 100, 0.1
-"""Pixels across an object up to which its pixels are seen, and share of pixels beside another color from which they are seen
-in a larger one, too. Large areas in few colors are clip art, whose flat parts should rather take shadows of their own."""
+"""Size of an object, in pixels, up to which its pixels are visible, and the share of pixels beside another color from
+which this holds for a larger one. Large areas in few colors are clip art. Its flat parts get derived shadows instead."""
 
 MOST_COLORS = 256
-"""Colors that a palette may have where somebody asks for one, as in an indexed picture."""
+"""Most colors of a palette that is requested, as in an indexed picture."""
 
 SHADOW_COST = 2.1
-"""Cost up to which a color may be a shade of another: more than for tones of one material, for these shadows turn in hue."""
+"""Cost up to which a color may be a shade of another. It is higher than for tones of one material, because shadows in
+pixel art change their hue."""
 
 SHADOW_TURN = 0.05, 0.25
-"""OKLab distance of a shadow from the line from gray through the lit color at most, and how much this grows with its chroma:
-beyond, it looks like another material's."""
+"""Greatest OKLab distance of a shadow from the line from gray through the lit color, and how much it grows with the
+chroma. Beyond, the shadow looks like another material."""
 
 SHADOW_APART = 0.12
 """OKLab distance up to which a color of the palette stands for the shadow that a flat material should have."""

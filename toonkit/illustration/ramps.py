@@ -1,11 +1,12 @@
 """
 Ramps: which tones are one material in more and in less light.
 
-Two kinds of evidence count. Complete linkage: groups of tones become one only if every two of their tones could be shades
-of one paint. The color of a shade lies near the ray from black through the brighter tone; the farther it is from that, the
-darker it must be. Mixtures of two paints fit neither, so no chain of them joins what they lie between. And the places
-where tones touch: a step of shading is small, its terminator is long for the tones it parts, and its bright side is the one
-toward the light, on which the whole drawing agrees.
+There are two kinds of evidence. The first are the colors. Groups of tones are merged by complete linkage: only if every
+two of their tones could be shades of one paint. The color of a shade lies near the ray from black through the brighter
+tone. The farther it is from the ray, the darker it must be. Mixtures of two paints fit neither paint, so they do not
+chain two materials together. The second kind are the places where tones touch. A step of shading is small, its
+terminator is long compared with the tones, and its bright side faces the light, which is the same for the whole
+drawing.
 
 A drawing in one material is recognized as a whole: see `is_one_ramp`.
 """
@@ -37,10 +38,11 @@ DROP = 0.3
 """Lightness of a shade relative to the brighter tone, at least."""
 
 SPOT = (0.6, 0.85)
-"""Shares of a darker tone's perimeter along a single brighter one from which it may be, and is, a spot."""
+"""Shares of a darker tone's perimeter along a single brighter tone from which it may be a spot, and from which it is
+one."""
 
 SMALL = 0.0006
-"""Share of the paint up to which a tone says too little to keep groups apart."""
+"""Share of the paint up to which a tone is too small to keep groups apart."""
 
 LARGEST_COST = 1.2
 """Cost up to which the tones of groups may be shades of one paint."""
@@ -88,8 +90,8 @@ STEP = 0.06
 """Lightness by which a spot differs from what encloses it, at least."""
 
 UNLIKE, NO_HIGHLIGHT = 1.3, 0.55
-"""Cost from which a bright spot is no shade of what encloses it, and by how many standard deviations of its illumination a
-highlight faces the light more, at least."""
+"""Cost from which a bright spot is not a shade of what encloses it; and by how many standard deviations of its
+illumination a highlight must face the light more."""
 
 Groups = NDArray[np.intp]
 
@@ -97,7 +99,7 @@ Groups = NDArray[np.intp]
 @dataclass(frozen=True, eq=False)
 class Facing:
     """
-    What is known of the normals beneath tones.
+    Statistics of the initial normals beneath tones.
 
     Attributes
     ----------
@@ -106,7 +108,7 @@ class Facing:
     moments : ndarray, shape (n, 3, 3)
         Sum of their outer products.
     inked : bool
-        Whether lines part some of the paint.
+        Whether lines divide some of the paint.
     """
 
     sums: FloatArray
@@ -148,7 +150,7 @@ def join_tones(tones: Tones, facing: Facing) -> Groups:
 
 def shade_cost(lab: FloatArray) -> Matrix:
     """
-    How far every two tones are from being shades of one paint: up to 1 they could be.
+    Return the cost of taking two tones for shades of one paint, for all pairs. Up to 1 they can be.
 
     Parameters
     ----------
@@ -240,9 +242,9 @@ def is_one_ramp(tones: Tones, facing: Facing) -> bool:
     """
     Tell whether a whole drawing is one material, however its hue turns.
 
-    Its tones then form a curve: no two of one lightness differ in color, and their hue turns one way. Each touches the next
-    one. The lightness follows the initial normals in some light from the front, and no brighter tone faces farther away from
-    it than a darker one.
+    The tones of one material form a curve: tones of equal lightness have the same color, and the hue turns in one
+    direction. Each tone touches the next one. The lightness follows the initial normals under some light from the
+    front, and no brighter tone faces away from that light more than a darker one.
     """
     area, lightness = tones.area.astype(np.float64), tones.lab[:, 0]
     total = area.sum()

@@ -1,7 +1,7 @@
 """
 Tones: the colors of a drawing's paint, and which of them touch.
 
-A flat color is one tone; a gradient is a chain of them, some steps of the eye apart.
+A flat color is one tone. A gradient is a chain of tones that are just distinguishable.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ RADIUS = 0.03
 """OKLab distance within which colors are one tone."""
 
 FEWEST = 4
-"""Pixels of a tone at least."""
+"""Fewest pixels of a tone."""
 
 Matrix = NDArray[np.float64]
 
@@ -40,16 +40,16 @@ class Tones:
     lab : ndarray, shape (n, 3)
         Their mean colors in OKLab.
     area : ndarray of int, shape (n,)
-        Their pixels.
+        Their areas, in pixels.
     contact : ndarray, shape (n, n)
-        How many pairs of neighboring pixels show one and the other; symmetric, zero on the diagonal.
+        Number of pairs of neighboring pixels in the two tones; symmetric, zero on the diagonal.
     smooth : ndarray, shape (n, n)
         How many of these pairs lie within one zone, where paint changes smoothly.
     way : ndarray, shape (n, n, 2)
-        Sum over these pairs of the unit steps, right and up, from the first tone to the second; antisymmetric. It vanishes
-        for a tone that another one encloses, and is long where a straight terminator parts them.
+        Sum over these pairs of the unit steps, right and up, from the first tone to the second; antisymmetric. It is
+        zero for a tone that another one encloses, and long if a straight terminator separates the two.
     perimeter : ndarray, shape (n,)
-        How many of its pairs of neighboring pixels show the tone and anything else, be it ink or the background.
+        Number of pairs of neighboring pixels of which one shows the tone and the other does not.
     """
 
     labels: Labels

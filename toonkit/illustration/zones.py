@@ -1,9 +1,9 @@
 """
 Zones: connected pieces of paint that are flat or change smoothly.
 
-Whether a place is an edge is judged by its contrast against the smooth variation beside it, so that soft gradients stay
-whole, however steep, and slight steps between flat tones do not get lost. Pixels of an edge are mixtures: they belong to
-the zone beside them whose color is nearest.
+An edge is recognized by its contrast relative to the smooth variation beside it. Soft gradients therefore stay whole,
+however steep they are, and small steps between flat tones are found. Pixels on an edge are mixtures and belong to the
+adjacent zone with the nearest color.
 """
 
 from __future__ import annotations
@@ -19,28 +19,29 @@ from toonkit.model.oklab import Lab
 from toonkit.numerics.compiled import njit
 
 SAME = 0.012
-"""OKLab distance within which neighbors are painted alike: three steps of an 8-bit channel."""
+"""OKLab distance up to which neighbors have the same color: three steps of an 8-bit channel."""
 
 CONTRAST = 2.0
-"""An edge changes by that many times what the paint around it changes by."""
+"""Contrast of an edge relative to the variation of the paint around it."""
 
 SURROUNDINGS = 9
-"""Width of the window that says how much paint changes, in pixels."""
+"""Width of the window in which the variation of the paint is measured, in pixels."""
 
 ALIKE_NEIGHBORS = 3
-"""Of eight, that are painted alike within flat paint: a mixed pixel on an edge resembles two along it at most."""
+"""Number of the eight neighbors that have the same color within flat paint. A mixed pixel on an edge has at most two,
+along the edge."""
 
 FEWEST = 4
-"""Pixels of a zone at least."""
+"""Fewest pixels of a zone."""
 
 GRAIN = 0.004
-"""OKLab lightness by which half of the pixels differ from their neighbors' mean in paint that is grained."""
+"""OKLab lightness by which half of the pixels differ from the mean of their neighbors, in grainy paint."""
 
 ALIKE_GRAIN, PASSES = 0.08, 3
-"""OKLab distance of colors that grain makes of one paint, and how often it is averaged."""
+"""OKLab distance of colors that belong to one grainy paint, and how often the grain is averaged."""
 
 MIXED = 0.035
-"""OKLab distance from the mixtures of two neighbors within which a thin zone is mixed of them."""
+"""OKLab distance from the mixtures of two neighboring zones up to which a thin zone is such a mixture."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +78,7 @@ def find_zones(lab: Lab, paint: BoolArray) -> Zones:
     Returns
     -------
     Zones
-        Pieces that no edge crosses.
+        Zones, which no edge crosses.
     """
     lab = _without_grain(lab, paint)
     change, flat = np.zeros(paint.shape, np.float32), np.zeros(paint.shape, np.bool_)

@@ -1,4 +1,4 @@
-"""Cells of a study, the trials of one shape and one color map: what a worker gets, and what it does with it."""
+"""Cells of a study: the trials of one shape and one color map, which a worker measures together."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Truth = RenderedShape | Exception
 @dataclass(frozen=True, eq=False)
 class Cell:
     """
-    Trials of one shape and one color map, with all that a worker needs for them but the rendered shape.
+    Trials of one shape and one color map, with everything that a worker needs except the rendered shape.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Cell:
     settings : StudySettings
         Size and lights.
     toonkit : str or None
-        Which toonkit is to measure, as told by `installed_toonkit`; None if this machine measures.
+        Version of toonkit that must measure, as from `installed_toonkit`; None if this machine measures.
     subject : Shape or MeshShape, or None
         What is to be rendered first.
     """
@@ -91,7 +91,7 @@ def measured_here(cells: Sequence[Cell]) -> Generator[Outcome, None, None]:
 
 
 def rendered_or_error(subject: Subject | None, size: int) -> Truth:
-    """Render a subject; what goes wrong is handed on, for the records of all its trials to tell."""
+    """Render a subject, or return the error, which goes into the records of all its trials."""
     try:
         if subject is None:
             raise ToonkitError("the cell has no subject")
@@ -101,14 +101,14 @@ def rendered_or_error(subject: Subject | None, size: int) -> Truth:
 
 
 def measure(truth: Truth, cell: Cell) -> list[Record]:
-    """Run the trials of a cell, on whatever machine; raises `ToonkitError` if that has another toonkit."""
+    """Run the trials of a cell on any machine; raises `ToonkitError` if it has another version of toonkit."""
     if cell.toonkit is not None and cell.toonkit != installed_toonkit():
         raise ToonkitError(
             f"workers must have toonkit {cell.toonkit}; got {installed_toonkit()}: install it there and restart them"
         )
     if not isinstance(truth, RenderedShape):
         return cell.failed(f"{type(truth).__name__}: {truth}")
-    # A product of matrices is summed in another order by other numbers of threads: the same trial shall give the same
+    # The order of summation in a matrix product depends on the number of threads. The same trial must give the same
     # numbers in any process.
     with threadpool_limits(1, user_api="blas"):
         _warm_up()
@@ -120,12 +120,12 @@ def measure(truth: Truth, cell: Cell) -> list[Record]:
 
 @cache
 def _warm_up() -> None:
-    """Let toonkit's methods load their compiled code, once in each process: no trial's seconds shall hold that."""
+    """Load the compiled code of toonkit's methods once in each process, so that no trial's time includes it."""
     y, x = np.mgrid[:32, :32] - 15.5
     mask = x**2 + y**2 < 200
     disc = ToonImage(np.where((x > 0)[..., None], 0.9, 0.2) * np.ones(3), mask)
     for method in METHODS.values():
         try:
             method(prepare(disc), light_direction(135, 45))
-        except Exception:  # a method of somebody's that has no answer here may have one to the trials
+        except Exception:  # a user's method that fails here may still succeed in the trials
             continue

@@ -1,4 +1,4 @@
-"""Cells of a study on a dask cluster: a local one, or one that is there already."""
+"""Measure cells of a study on a dask cluster, either a local one or a running one."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ CONNECT_SECONDS = 20
 """How long to look for a scheduler."""
 
 POLL_SECONDS, LOOK_SECONDS = 0.02, 2.0
-"""How often futures are looked at, and workers."""
+"""How often to check futures, and workers."""
 
 NO_WORKER_SECONDS = 30.0
 """How long to wait for a worker to join, or to come back."""
 
 _LOCAL = {
-    # Who was near a death is measured again alone, and need not die three more times for that.
+    # Tasks of a dead worker are not retried there: each is measured again alone.
     "distributed.scheduler.allowed-failures": 0,
-    # By default dask's workers give every freed array back to the system: half of a trial's time went into page faults.
+    # By default, dask's workers return freed memory to the system at once. Page faults then take half of a trial's time.
     **{
         f"distributed.nanny.pre-spawn-environ.MALLOC_{name}_THRESHOLD_": str(2**30)
         for name in ("TRIM", "MMAP")
@@ -54,13 +54,13 @@ def measured_there(
     cells: Sequence[Cell], *, workers: int | None, scheduler: str | None
 ) -> Generator[Outcome, None, None]:
     """
-    Measure cells on a cluster; outcomes come in the order in which they are done.
+    Measure cells on a cluster, and yield outcomes as they are done.
 
-    A cell whose worker died, or that found none, is measured again on this machine, each trial in a process of its own: so
-    only a trial that ends its process fails, and neither its rivals nor cells that were near.
+    If its worker died, or there was none, a cell is measured again on this machine, with each trial in a process of its
+    own. Only a trial that ends its process then fails, not the other trials of its cell or of others.
     """
     if scheduler is not None:
-        # Workers that join later are checked as well: each batch says which toonkit may measure it.
+        # Each cell names the version of toonkit that may measure it, so workers that join later are checked, too.
         cells = [replace(cell, toonkit=installed_toonkit()) for cell in cells]
     with cluster_client(workers, scheduler, len(cells)) as client:
         suspects: list[Cell] = []
@@ -80,8 +80,8 @@ def cluster_client(workers: int | None, scheduler: str | None, tasks: int) -> It
         with dask.config.set(_LOCAL), _ignoring_interrupts():
             cluster = LocalCluster(
                 n_workers=min(worker_count(workers), tasks),
-                threads_per_worker=1,  # a trial keeps a core busy; what its solvers spread falls to idle ones
-                memory_limit=None,  # dask would count what a worker keeps for its next array, and stop it
+                threads_per_worker=1,  # a trial keeps one core busy, and its solvers use idle ones
+                memory_limit=None,  # dask would count memory that a worker reuses, and stop the worker
                 dashboard_address="127.0.0.1:0",  # any port: another cluster may hold the usual one
                 silence_logs=logging.CRITICAL,
             )
@@ -99,7 +99,7 @@ def cluster_client(workers: int | None, scheduler: str | None, tasks: int) -> It
 
 @contextmanager
 def _ignoring_interrupts() -> Iterator[None]:
-    """Let processes be born deaf to Ctrl-C, which a terminal sends to all: this one ends them, and no stack traces show."""
+    """Start processes with SIGINT ignored: Ctrl-C reaches this process only, which ends them without stack traces."""
     if threading.current_thread() is not threading.main_thread():
         yield  # only the main thread may say what a signal does
         return
@@ -115,7 +115,7 @@ def _refuse_other_toonkit(client: Any, scheduler: str) -> None:
         client.wait_for_workers(1, timeout=NO_WORKER_SECONDS)
     try:
         found = client.run(installed_toonkit)
-    except Exception as error:  # whatever a worker says that has no toonkit, or another
+    except Exception as error:  # a worker without toonkit, or with another version, can raise anything
         raise refuse(
             "scheduler", f"must have workers with toonkit {installed_toonkit()}", f"{scheduler} ({error})"
         ) from error
@@ -131,7 +131,7 @@ def _refuse_other_toonkit(client: Any, scheduler: str) -> None:
 
 
 def _all_at_once(cells: Sequence[Cell], client: Any, suspects: list[Cell]) -> Iterator[Outcome]:
-    """Hand over all cells, first shapes first; put those whose worker died aside."""
+    """Submit all cells in the order of their shapes; collect those whose worker died."""
     truths: dict[int, Any] = {}
     waiting: dict[Any, Cell] = {}
     for order, cell in enumerate(cells):
@@ -155,7 +155,7 @@ def _all_at_once(cells: Sequence[Cell], client: Any, suspects: list[Cell]) -> It
 
 
 def as_they_come(waiting: dict[Any, Any], client: Any) -> Iterator[Any]:
-    """Yield futures as they are done; stop if there has been no worker to do them for `NO_WORKER_SECONDS`."""
+    """Yield futures as they are done; stop if there has been no worker for `NO_WORKER_SECONDS`."""
     looked = deserted = time.monotonic()
     while waiting:
         done = [future for future in waiting if future.done()]
@@ -165,7 +165,7 @@ def as_they_come(waiting: dict[Any, Any], client: Any) -> Iterator[Any]:
             deserted = now
         elif now - looked > LOOK_SECONDS:
             looked = now
-            # A worker that dies while it starts is not started again, and its tasks would wait for ever.
+            # A worker that dies while it starts is not restarted, and its tasks would wait forever.
             if _has_workers(client):
                 deserted = now
             elif now - deserted > NO_WORKER_SECONDS:
@@ -176,12 +176,12 @@ def as_they_come(waiting: dict[Any, Any], client: Any) -> Iterator[Any]:
 def _has_workers(client: Any) -> bool:
     try:
         return bool(client.nthreads())
-    except Exception:  # a scheduler that is gone: its futures will say so
+    except Exception:  # the scheduler is gone, and its futures report it
         return True
 
 
 def _alone(cell: Cell) -> Iterator[Outcome]:
-    """Measure a cell in a process of its own on this machine: whoever ends that did it."""
+    """Measure a cell in a process of its own on this machine. If the process dies, the cell is to blame."""
     import cloudpickle  # noqa: PLC0415
 
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as process:
@@ -198,7 +198,7 @@ def _measure_pickled(content: bytes) -> list[Record]:
 
 
 def _without_subject(cell: Cell) -> Cell:
-    """Return a cell without its subject, which was rendered by then: a mesh may be large."""
+    """Return a cell without its subject, which may be large and has been rendered."""
     return replace(cell, subject=None)
 
 

@@ -14,13 +14,13 @@ from toonkit.model.color_map import ColorMap
 from toonkit.model.luminance import linear_to_srgb, srgb_to_linear
 
 SAMPLES = 1024
-"""Samples of a ramp over -1..1: a hard step is then 1/500 of illumination wide."""
+"""Samples of a ramp over -1 to 1. A hard step is 1/500 of illumination wide."""
 
 
 @dataclass(frozen=True)
 class Ramp:
     """
-    A color map as a painter would write it down.
+    A color map as a list of tones and the steps between them.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Ramp:
     steps : tuple of (float, float)
         Illumination at which each tone gives way to the next, and how wide the transition is.
     tags : tuple of str
-        What is particular about it.
+        Its characteristics.
     """
 
     name: str

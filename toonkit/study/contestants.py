@@ -1,4 +1,4 @@
-"""What the study compares: every method of `toonkit.METHODS`, and the trivial one that does nothing."""
+"""The methods that the study compares: all of `toonkit.METHODS`, and a trivial one that changes nothing."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _by_the_model(analysis: ToonAnalysis, new_light: FloatArray) -> ToonImage:
 @dataclass(frozen=True)
 class Contestant:
     """
-    A method and how its result is shown.
+    A method, and how its result is painted.
 
     Attributes
     ----------
@@ -40,8 +40,8 @@ class Contestant:
     picture : callable, ToonAnalysis -> ToonImage
         The input as the method explains it.
     relight : callable, (ToonAnalysis, light (3,)) -> ToonImage
-        The input under another light: by default Eq. 7, without the detail that `toonkit.relight` can keep, so that what
-        is compared is what the method found.
+        The input under another light. By default it is Eq. 7, without the detail that `toonkit.relight` can keep, so
+        that the comparison is about the method.
     """
 
     analyze: Method
@@ -56,7 +56,7 @@ def flat(
     previous: ToonAnalysis | None = None,
     progress: StepProgress | None = None,
 ) -> ToonAnalysis:
-    """Take every normal to point at the viewer: what any method must beat."""
+    """Return normals that all face the viewer: the result that any method must beat."""
     del previous
     image = drawing.image
     vectors = np.where(image.mask[..., None], TOWARD_VIEWER, np.nan)
@@ -74,5 +74,5 @@ FLAT = Contestant(flat, picture=lambda analysis: analysis.image, relight=lambda 
 
 
 def contestants() -> dict[str, Contestant]:
-    """Return all that can be compared now, by name: what was put into `toonkit.METHODS`, and `flat`."""
+    """Return all methods that can be compared, by name: those in `toonkit.METHODS`, and `flat`."""
     return {**{name: Contestant(method) for name, method in METHODS.items()}, "flat": FLAT}

@@ -22,7 +22,7 @@ _PROBES = np.random.default_rng(0).uniform(-BOUND, BOUND, (4096, 3))
 
 
 def subject_digest(subject: Subject) -> str:
-    """Return a digest of what a subject looks like: its distances at fixed places or its triangles, and its view."""
+    """Return a digest of a subject: its distances at fixed points or its triangles, and its view."""
     digest = hashlib.sha256(repr(subject.view).encode())
     if isinstance(subject, Shape):
         digest.update(np.round(subject.distance(_PROBES), 9).tobytes())

@@ -1,4 +1,4 @@
-"""Drawings in several materials and ink whose colors are chosen, not drawn at random: models, tones and lines."""
+"""Sample drawings in several materials and ink, with chosen colors, models and lines."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ class Tones:
     Attributes
     ----------
     colors : tuple of str
-        Hexadecimal sRGB, darkest first. One alone is flat.
+        Hexadecimal sRGB, darkest first. A material in one color is flat.
     softness : float
-        Width of the steps between them in illumination; from about 1 on they are one gradient.
+        Width of the steps between them, in illumination. From about 1 on they form one gradient.
     glossy : bool
         Whether the material has highlights.
     """

@@ -1,4 +1,4 @@
-"""What the columns of the study's table mean: label, unit, and which value is best."""
+"""The measures of the study's table: label, unit and ideal value."""
 
 from __future__ import annotations
 

@@ -83,7 +83,7 @@ def plan_study(
     method_files: Mapping[str, PathLike] | None = None,
 ) -> StudyPlan:
     """
-    Choose what a study compares; everything there is, unless told otherwise.
+    Choose what a study compares; everything by default.
 
     Parameters
     ----------
@@ -106,13 +106,13 @@ def plan_study(
     Returns
     -------
     StudyPlan
-        To be handed to `run_study`.
+        The argument of `run_study`.
 
     Raises
     ------
     ToonkitError
-        If a name is unknown, is taken twice, or could not name a file, if a file of a method is missing, or if nothing is
-        left to do.
+        If a name is unknown, occurs twice or cannot name a file, if the file of a method is missing, or if there is
+        nothing to compare.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""RecordStore: the records of a study as files, one a trial, each written whole or not at all."""
+"""RecordStore: the records of a study, one file per trial, written atomically."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from toonkit.study.trials import LightTrack, Record, Trial
 FOLDER = "records"
 
 LOST = "WorkerLost: "
-"""How the error of a trial begins whose worker died time and again: the next run tries it anew."""
+"""Prefix of the error of a trial whose worker died repeatedly. The next run tries such a trial again."""
 
 
 _TYPES: dict[str, tuple[type, ...]] = {"str": (str,), "int": (int,), "float": (float, int), "bool": (bool,)}
@@ -35,7 +35,8 @@ class RecordStore:
         The study's folder; the records lie in `records/` below it.
     sidecar : mapping
         The study's provenance. A record belongs to the study if it was made with the same version of toonkit, the same
-        settings, and the same inputs by their digests. A damaged record belongs to none: it is measured again.
+        settings, and the same inputs by their digests. A damaged record does not count, so that its trial is measured
+        again.
 
     Raises
     ------
@@ -65,7 +66,7 @@ class RecordStore:
             file.write(json.dumps(stored, indent=1).encode())
 
     def is_done(self, trial: Trial, *, retry_failed: bool = False) -> bool:
-        """Tell whether a trial was measured, with the inputs that it has now."""
+        """Tell whether a trial was measured with its present inputs."""
         record = self._current(self._folder / f"{trial.key}.json")
         if record is None:
             return False

@@ -22,10 +22,10 @@ MARGIN = 0.06
 """Free share of the picture's width (or height) on each side of the silhouette's longer extent."""
 
 MIN_SIZE = 16
-"""Pixels: with fewer, parts of the solids vanish between two rays."""
+"""Smallest size of a picture, in pixels. In smaller ones, parts of the solids fall between two rays."""
 
 SUBPIXELS = 4
-"""Rays along each side of an outline pixel: coverage in steps of a sixteenth."""
+"""Rays along each side of a pixel on the outline. Coverage has steps of one sixteenth."""
 
 _FRAMING_RAYS = 64  # along each side of the square in which the silhouette is looked for
 _FRAMING_ROUNDS = 5  # each measures its extent four times finer: to 0.00003 in the end
@@ -36,7 +36,7 @@ _JUST_NOT_HALF = 0.5 - 1e-6
 @dataclass(frozen=True, eq=False)
 class RenderedShape:
     """
-    What is known of each pixel of a rendered solid.
+    A rendered solid, pixel by pixel.
 
     Attributes
     ----------
@@ -229,7 +229,11 @@ def _facing(normals: FloatArray) -> FloatArray:
     normals = normals.copy()
     normals[:, 2] = np.maximum(normals[:, 2], 0.0)
     length = np.linalg.norm(normals, axis=1, keepdims=True)
-    normals[length[:, 0] == 0] = (0.0, 0.0, 1.0)  # seen from behind, or in a slit: it has no direction
+    normals[length[:, 0] == 0] = (
+        0.0,
+        0.0,
+        1.0,
+    )  # seen from behind or in a narrow gap, where there is no direction
     return np.asarray(normals / np.where(length > 0, length, 1.0))
 
 

@@ -1,4 +1,4 @@
-"""Run a study: in this process, on a local cluster, or on a dask cluster that is there already; and go on where it ended."""
+"""Run or resume a study: in this process, on a local cluster, or on a running dask cluster."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ from toonkit.study.table import as_table, write_table
 from toonkit.study.trials import Record
 
 TABLE_SECONDS = 60.0
-"""How often the table is written while a study runs: a look at a study that is not done yet is no older."""
+"""How often the table is written while a study runs. A table that is read in the meantime is at most this old."""
 
 
 @dataclass(frozen=True)
 class StudyProgress:
     """
-    How far a study is.
+    Progress of a study.
 
     Attributes
     ----------
     done, total : int
         Trials on file, and trials planned.
     record : Record or None
-        The one that just came; None at the start.
+        The latest record; None at the start.
     """
 
     done: int
@@ -69,8 +69,8 @@ def run_study(
     plan : StudyPlan
         What to compare.
     folder : path
-        Where records, table and provenance go; created if need be. A study that was interrupted, by whatever, goes on.
-        Another plan may be run in the same folder: its trials are added.
+        Folder of records, table and provenance; created if necessary. An interrupted study is resumed. Another plan may
+        be run in the same folder, which adds its trials.
     workers : int, optional
         Processes of a local cluster; one for each core by default. 0 measures in this process, without dask.
     scheduler : str, optional
@@ -78,7 +78,7 @@ def run_study(
     retry_failed : bool, optional
         Measure trials again that are on file with an error. Those whose worker was lost always are.
     again : collection of str, optional
-        Methods of the plan whose records are deleted first, all that the folder has: for methods whose code has changed.
+        Methods of the plan whose records are all deleted first, because their code has changed.
     progress : callable, optional
         Called with a `StudyProgress` at the start and after each record.
 
@@ -100,8 +100,8 @@ def run_study(
     used, and the file that the plan names for the method. A record is not compared with the code that made it: name the
     methods whose code has changed in `again`, or start a new folder.
 
-    Workers are processes of their own that import the main program: in a script, call this below
-    `if __name__ == "__main__":`, or with `workers=0`.
+    Workers are processes that import the main program. In a script, call this function below `if __name__ ==
+    "__main__":`, or with `workers=0`.
     """
     _refuse_bad_workers(workers, scheduler)
     for method in again:
@@ -127,7 +127,7 @@ def run_study(
 
 
 class _Run:
-    """One run of a study: it collects outcomes, and keeps table and provenance up to date."""
+    """One run of a study. It collects outcomes and keeps table and provenance up to date."""
 
     def __init__(
         self, plan: StudyPlan, home: Path, store: RecordStore, sidecar: dict[str, Any], told: Report

@@ -34,7 +34,7 @@ INKED_SIZE = 512
 """Side of an inked picture in pixels."""
 
 OVERSAMPLING = 3
-"""Drawn three times as large and reduced: outlines and band edges are then mixed as drawing programs mix them."""
+"""Factor of supersampling. Outlines and band edges are then anti-aliased as in drawing programs."""
 
 
 @dataclass(frozen=True)
@@ -65,13 +65,13 @@ class Sample:
     Attributes
     ----------
     name, title : str
-        Its file name and what the dashboard calls it.
+        Its file name, and its title in the dashboard.
     subject : Subject or PaintedSolid
         What is drawn: in several materials and ink, or in one material.
     light : (float, float)
         Azimuth and elevation in degrees.
     shows : str
-        What it is a sample of.
+        What the sample demonstrates.
     """
 
     name: str
@@ -142,7 +142,7 @@ def write_samples(
     folder: Path, samples: Sequence[Sample] = SAMPLES, *, size: int | None = None
 ) -> Iterator[Path]:
     """
-    Draw samples into a folder, which is made if need be, and `samples.json` beside them.
+    Draw samples into a folder, which is created if necessary, and write `samples.json` beside them.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A study's folder: the sidecar that says where its numbers come from."""
+"""The sidecar in a study's folder, which records where the numbers come from."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is rendered: a shape of the study, or a mesh file given as a further one."""
+"""What is rendered: a shape of the study, or a mesh file as a further shape."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The study's table on disk: one row a trial, as Parquet or CSV, with a sidecar that says where it comes from."""
+"""The study's table on disk: one row per trial, as Parquet or CSV, with its provenance in a sidecar."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ CSV_NAME = "trials.csv"
 PROVENANCE_NAME = "study.json"
 
 TRIAL_COLUMNS = ["shape", "color_map", "method", "light_track"]
-"""What tells one trial from another, and the order of the rows."""
+"""The columns that identify a trial, and the order of the rows."""
 
 TIMING_COLUMNS = ["seconds"]
 """The columns that differ between two runs of the same trials on the same machine."""
@@ -157,7 +157,7 @@ def load_provenance(source: PathLike) -> dict[str, Any]:
     Raises
     ------
     ToonkitError
-        If it is missing, no JSON, or not what a study writes.
+        If it is missing, not JSON, or not what a study writes.
     """
     provenance, path = _read_provenance(source)
     for name, form in _FORM.items():

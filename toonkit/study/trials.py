@@ -34,7 +34,7 @@ from toonkit.study.rendering import MIN_SIZE, RenderedShape
 
 LightTrack = Literal["given", "estimated"]
 LIGHT_TRACKS: tuple[LightTrack, ...] = ("given", "estimated")
-"""Whether a method is told the true light, as in the paper, or has to work with the estimated one."""
+"""Whether a method is given the true light, as in the paper, or works with the estimated one."""
 
 Angles = tuple[float, float]
 
@@ -46,7 +46,7 @@ NEW_LIGHTS: tuple[Angles, ...] = tuple(
 @dataclass(frozen=True)
 class StudySettings:
     """
-    What is the same for all trials of a study.
+    Settings that all trials of a study share.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ def _checked_angles(argument: str, angles: Angles) -> Angles:
 @dataclass(frozen=True, order=True)
 class Trial:
     """
-    One cell of the study: which shape, painted how, analyzed by what.
+    A shape, a color map, a method and a light track.
 
     Attributes
     ----------
@@ -136,8 +136,8 @@ class Record:
     relight_rmse, relight_rmse_without_rim, relight_rmse_worst : float
         Relit pictures against the true ones, sRGB: the mean over the new lights, and the largest.
     relight_response, relight_response_without_rim : float
-        How much the picture changes under the new lights, against how much the truth does, root mean squares over all of
-        them: 1 is right, 0 no answer.
+        Change of the picture under the new lights relative to the change of the true picture, as root mean squares over
+        all lights. 1 is right; 0 is no change.
     iterations : int
         Of the refinement.
     converged : bool
@@ -145,7 +145,7 @@ class Record:
     stopped : str
         Why it ended.
     seconds : float
-        Wall time of the analysis, beside whatever else the machine did; the only column that differs between two runs of
+        Wall time of the analysis, while other trials may run. It is the only column that differs between two runs of
         the same trial.
     error : str
         Empty if all went well.
@@ -195,7 +195,7 @@ class Record:
 @dataclass(frozen=True, eq=False)
 class Painting:
     """
-    A shape painted with a color map: the input of a trial, and what is known about it.
+    A shape painted with a color map: the input of a trial, with the truth.
 
     Attributes
     ----------
@@ -260,7 +260,7 @@ def run_trial(trial: Trial, shape_kind: str, painting: Painting, contestant: Con
     Parameters
     ----------
     trial : Trial
-        What this is called in the table.
+        The trial.
     shape_kind : str
         The shape's kind.
     painting : Painting
@@ -271,19 +271,19 @@ def run_trial(trial: Trial, shape_kind: str, painting: Painting, contestant: Con
     Returns
     -------
     Record
-        With measures, or with the error that the method, or the comparison of its result, ended in.
+        The measures, or the error of the method or of the comparison.
     """
     record = unmeasured(trial, shape_kind, painting.settings)
     try:
         return replace(
             record, pixels=int(painting.image.mask.sum()), **_measured(trial, painting, contestant)
         )
-    except Exception as error:  # whatever a method does wrong is its result in this trial
+    except Exception as error:  # an error of the method is its result in this trial
         return replace(record, error=f"{type(error).__name__}: {error}")
 
 
 def unmeasured(trial: Trial, shape_kind: str, settings: StudySettings, *, error: str = "") -> Record:
-    """Return the record of a trial with everything but measures: NaN stands for them."""
+    """Return the record of a trial without measures, which are NaN."""
     azimuth, elevation = settings.light
     return Record(
         shape=trial.shape,
@@ -307,7 +307,7 @@ def _measured(trial: Trial, painting: Painting, contestant: Contestant) -> dict[
     estimate = LightEstimate(painting.light, 1.0)
     if trial.light_track == "estimated":
         estimate = estimate_light(painting.image)
-    own = copy.deepcopy(painting.image)  # what a method does to its input is not done to its rivals'
+    own = copy.deepcopy(painting.image)  # a method may change its copy of the input, but not that of others
     start = time.perf_counter()
     analysis = contestant.analyze(prepare(own), estimate.light)
     seconds = time.perf_counter() - start

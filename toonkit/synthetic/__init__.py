@@ -1,1 +1,1 @@
-"""Generated drawings in several materials and ink, of which everything is known."""
+"""Generated drawings in several materials and ink, with their ground truth."""

@@ -1,4 +1,4 @@
-"""DrawnScene: a drawing in several materials and ink, of which everything is known."""
+"""DrawnScene: a generated drawing in several materials and ink, with its ground truth."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from toonkit.synthetic.recipes import RECIPES
 from toonkit.synthetic.samples import Samples, sample_model
 
 ELEVATIONS = (20.0, 75.0)
-"""Degrees between which the light stands."""
+"""Least and greatest elevation of the light, in degrees."""
 
 FROM_ABOVE = 0.75
-"""Share of the drawings whose light comes from above; that of the others comes from anywhere."""
+"""Share of the drawings whose light comes from above. In the others it comes from any side."""
 
 MIN_SIZE = 16
-"""Pixels: in smaller pictures parts vanish."""
+"""Smallest size of a picture, in pixels. In smaller ones parts vanish."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class DrawnScene:
     light : ndarray, shape (3,)
         Unit vector from the surface to the light.
     normals : NormalField
-        Of the surface that shows; in a pixel that shows several, of its material.
+        Normals of the visible surface. In a pixel that shows several materials, those of its own one.
     labels : ndarray of int, shape (H, W)
         Material of most of each pixel, also beneath ink and highlights; -1 outside the mask.
     materials : tuple of str
@@ -59,9 +59,9 @@ class DrawnScene:
 
     Notes
     -----
-    A flat material, painted in one tone, stays as it is under every light: that is how its painter paints it. A
-    highlight moves to where the normal lies halfway between the light and the viewer. A cast shadow falls where
-    the new light casts it. Ink stays.
+    A flat material, painted in one tone, keeps its color under every light, as an artist would paint it. A highlight
+    moves to where the normal lies halfway between the light and the viewer. A cast shadow falls where the new light
+    casts it. Ink stays.
     """
 
     recipe: str
@@ -80,7 +80,7 @@ class DrawnScene:
 
     @property
     def flat(self) -> NDArray[np.bool_]:
-        """Which materials are painted in one tone, shape (m,)."""
+        """Which materials are painted in one tone, bool of shape (m,)."""
         return np.array([len(color_map.colors) == 1 for color_map in self.color_maps])
 
     def relit(self, light: ArrayLike) -> ToonImage:
@@ -95,7 +95,8 @@ class DrawnScene:
         Returns
         -------
         ToonImage
-            With the mask and alpha of the drawing, and its ink. At the drawing's own light it is the drawing.
+            The relit drawing, with the same mask, alpha and ink. Under the light of the drawing it is the drawing
+            itself.
 
         Raises
         ------
@@ -114,7 +115,7 @@ def draw_scene(seed: int | np.random.Generator, *, size: int = 256, recipe: str 
     Parameters
     ----------
     seed : int or Generator
-        Source of every choice: the same seed, size and recipe make the same drawing.
+        Source of all random choices. The same seed, size and recipe give the same drawing.
     size : int, optional
         Width and height in pixels.
     recipe : str, optional

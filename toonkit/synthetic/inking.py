@@ -29,7 +29,7 @@ _SHARPEST = 0.75  # cosine of the turn between neighboring subpixels from which 
 @dataclass(frozen=True, eq=False)
 class Ink:
     """
-    Line art.
+    Line art of a drawing.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Ink:
 @dataclass(frozen=True)
 class Hand:
     """
-    How lines are drawn, and which lines there are.
+    Style of the lines, and which lines there are.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Hand:
     patterns, creases : bool
         Whether patterns are outlined, and creases drawn.
     taper : float
-        How much the width of lines varies, 0 to 1.
+        Variation of the width of lines, 0 to 1.
     """
 
     outline: float

@@ -1,4 +1,4 @@
-"""What a recipe makes: parts in named materials, patterns on them, and the view."""
+"""The result of a recipe: parts in named materials, patterns on them, and the view."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Where = Callable[[FloatArray], BoolArray]
 @dataclass(frozen=True, eq=False)
 class Pattern:
     """
-    Places on a part that are of another material.
+    A pattern: where a part shows another material.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Part:
 @dataclass(frozen=True, eq=False)
 class Model:
     """
-    Everything in a drawing but its colors and lines.
+    Everything in a drawing except its colors and lines.
 
     Attributes
     ----------

@@ -32,7 +32,7 @@ class Highlights:
     glossy : ndarray of bool, shape (m,)
         Which materials have them.
     cosine : float
-        They cover where the normal is at least so close to the direction halfway between light and viewer.
+        Least cosine of the angle between the normal and the direction halfway between light and viewer, on a highlight.
     color : ndarray, shape (3,)
         sRGB.
     opacity : float
@@ -66,7 +66,7 @@ class Paint:
 @dataclass(frozen=True, eq=False)
 class Painter:
     """
-    Everything that decides how the samples of one drawing are painted under a light.
+    The paint of one drawing under any light.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Colors of materials: a base color out of a family, and the ramp of tones that a painter mixes from it."""
+"""Colors of materials: a base color from a family of colors, and the ramp of tones derived from it."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ _SAMPLES = 401  # of a color map: a hard step is a two-hundredth of the illumina
 @dataclass(frozen=True, eq=False)
 class Shading:
     """
-    How the painter of a drawing shades, whatever the material.
+    Style of shading of a drawing, the same for all materials.
 
     Attributes
     ----------
@@ -55,11 +55,11 @@ class Shading:
     softness : float
         Width of a step in illumination; 0 is hard.
     darkening : float
-        Share of OKLab lightness that is left one tone darker.
+        Ratio of OKLab lightness from one tone to the next darker one.
     tint : ndarray, shape (2,)
-        What is added to (a, b) one tone darker: the hue that shadows shift toward.
+        Offset of (a, b) from one tone to the next darker one: the hue toward which shadows shift.
     saturation : float
-        What (a, b) are multiplied by one tone darker.
+        Factor of (a, b) from one tone to the next darker one.
     """
 
     edges: tuple[float, float, float]

@@ -1,4 +1,4 @@
-"""Primitives of which solids are put together: each is a ball, box, cone or ring, placed, turned and joined to a part."""
+"""Primitives of solids: ellipsoids, boxes, capsules, rings and cones, which are placed, turned and joined to parts."""
 
 from __future__ import annotations
 

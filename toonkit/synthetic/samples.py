@@ -1,4 +1,4 @@
-"""What is seen through each subpixel of a picture, and how that becomes pixels."""
+"""The surface seen through each subpixel of a picture, and its means over pixels."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from toonkit.synthetic.tracing import Frame, Hits, Tracer
 from toonkit.synthetic.tracing_kernels import NOTHING
 
 SUBPIXELS = 3
-"""Samples along each side of a pixel: coverage in steps of a ninth."""
+"""Samples along each side of a pixel. Coverage has steps of one ninth."""
 
 MARGIN = 0.05
 """Free share of the picture's width on each side of the longer extent of what is drawn."""

@@ -1,4 +1,4 @@
-"""Rays along -z through the primitives of some parts, compiled: what each meets first, and the normal there."""
+"""Trace rays along -z through the primitives of parts: the first hit of each, and the normal there."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from toonkit.synthetic.tracing_kernels import NOTHING, trace_rays
 @dataclass(frozen=True, eq=False)
 class Frame:
     """
-    A square through which rays look along -z.
+    A square from which rays start along -z.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class Frame:
 @dataclass(frozen=True, eq=False)
 class Hits:
     """
-    What a square grid of rays meets, seen along -z.
+    First hits of a square grid of rays along -z.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Hits:
 
 class Tracer:
     """
-    Parts, in a form that rays can be sent through.
+    Parts, prepared for tracing rays.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ class Tracer:
         self._bounds = np.array([piece.bound for piece, _ in pieces])
 
     def enclosing_frame(self) -> Frame:
-        """Return a square that surely holds the whole silhouette, and hardly more than it."""
+        """Return a square that encloses the silhouette closely."""
         reach = (self._bounds + self._fillets)[:, None]
         solid = ~self._cuts
         low = (self._centers - reach)[solid, :2].min(axis=0)

@@ -1,1 +1,1 @@
-"""What a study says: statistics over its trials, the claims of the paper, tables and text."""
+"""The report of a study: statistics over its trials, the claims of the paper, tables and text."""

@@ -1,8 +1,8 @@
 """Cells: the study's table as shapes x color maps for every method, with its holes (Section 4.1).
 
-A trial that failed, or that was never run, is a hole. Means are taken over the pairs of shape and color map in which no
-method has one, so that every method is measured on the same pictures; how many pairs that leaves out, and on whose account,
-is counted here and printed beside every mean.
+A trial that failed or was not run is a hole. Means are taken over the pairs of shape and color map without a hole in
+any method, so that every method is measured on the same pictures. This module counts the pairs that are left out, and
+for which method. The report prints the counts beside every mean.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Cells:
 
     @property
     def departures(self) -> Cells:
-        """The same as distances from the measure's ideal: what is compared where 1 is best and not 0."""
+        """The same as distances from the ideal of the measure, for measures whose best value is 1."""
         return replace(self, values=np.abs(self.values - self.measure.ideal))
 
     @property
@@ -182,7 +182,7 @@ def completeness(trials: pd.DataFrame) -> pd.DataFrame:
 
 
 def statement(trials: pd.DataFrame) -> str:
-    """Say in a sentence or two over which trials the means are, and whose failures they leave out."""
+    """Describe in a sentence or two which trials the means cover, and which failures they leave out."""
     counts = completeness(trials)
     arranged = cells(trials, "angular_error")
     total, kept = arranged.common.size, int(arranged.common.sum())

@@ -1,4 +1,4 @@
-"""Comparisons: two methods on the same trials, and how much of the difference could be chance (Section 4)."""
+"""Comparisons: two methods on the same trials, and how significant the difference is (Section 4)."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _KNOWN = {name for pair in PAIRS for name in pair}
 COMPARED = ("angular_error", "illumination_error", "input_rmse", "relight_rmse", "relight_response")
 
 BY_CONSTRUCTION = ("input_rmse", "input_difference", "relight_response")
-"""Measures in which `flat`, whose picture is always the input, has no choice."""
+"""Measures that are fixed for `flat`, whose picture is always the input."""
 
 
 @dataclass(frozen=True)
@@ -49,10 +49,10 @@ class Comparison:
     won, lost, tied : float
         Shares of the trials that either completed. One that failed is lost to one that did not.
     p_shapes, p_color_maps : float
-        Wilcoxon's signed-rank test, two-sided, over the shapes' own centers and over the color maps' own. Shapes share
-        their color maps and color maps their shapes, so that either alone calls too much significant.
+        Wilcoxon's signed-rank test, two-sided, over the centers of the shapes and over those of the color maps. Neither
+        test alone is enough, because shapes share color maps and color maps share shapes.
     p : float
-        The larger of the two; NaN where there are too few shapes or color maps for an interval. Approximate: the
+        The larger of the two; NaN if there are too few shapes or color maps for an interval. It is approximate. The
         interval of the difference is the primary evidence.
     """
 

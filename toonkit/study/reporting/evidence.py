@@ -1,4 +1,4 @@
-"""Evidence: questions to the study's table, each answered with numbers and whether they bear out what was said."""
+"""Evidence: tests of claims on the study's table, each with its numbers and an outcome."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from toonkit.study.reporting.statistics import (
 Outcome = Literal["holds", "does not hold", "undecided"]
 
 AS_THE_TRUTH = 0.1
-"""How far from 1 a response may be and still count as the truth's."""
+"""Greatest distance of a response from 1 to count as the true one."""
 
 
 @dataclass(frozen=True)
 class Check:
     """
-    One thing that would be so if the claim were true.
+    A statement that follows from a claim, and whether it holds.
 
     Attributes
     ----------
@@ -42,8 +42,8 @@ class Check:
     evidence : str
         The numbers.
     outcome : {"holds", "does not hold", "undecided"}
-        By where the 95 % interval of the number lies: wholly on the side that the claim says, wholly on the other, or
-        neither. Without an interval, of too few shapes or color maps, it is undecided.
+        Depends on the 95 % interval of the number: it lies entirely on the side that the claim implies, entirely on the
+        other side, or on both. Without an interval, because of too few shapes or color maps, it is undecided.
     """
 
     says: str
@@ -57,7 +57,7 @@ class Check:
 @dataclass(frozen=True, eq=False)
 class Evidence:
     """
-    A table that can be asked: every method below returns a `Check`.
+    Tests on a table. Every method below returns a `Check`.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Findings: what the paper says of the methods (Sections 4.2 and 4.3), held against the numbers, claim by claim."""
+"""Findings: the claims of the paper about the methods (Sections 4.2 and 4.3), tested on the numbers."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ RULE = (
 @dataclass(frozen=True)
 class Finding:
     """
-    A claim of the paper and what the numbers say to it.
+    A claim of the paper, and its tests on the numbers.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Finding:
     claim : str
         In our words, close to the paper's.
     measured : str
-        What it was held against, and what the measures cannot see.
+        Which measures test it, and what they do not cover.
     checks : tuple of Check
         At least one.
     """
@@ -74,7 +74,7 @@ class Finding:
 
 def findings(trials: pd.DataFrame, *, generator: np.random.Generator | None = None) -> list[Finding]:
     """
-    Hold the paper's claims against the study's table.
+    Test the paper's claims on the study's table.
 
     Parameters
     ----------
@@ -98,13 +98,13 @@ def findings(trials: pd.DataFrame, *, generator: np.random.Generator | None = No
 
 
 def step_width(ramp: Ramp) -> float:
-    """Return how soft a ramp is: the mean width of the steps between its tones, in units of illumination."""
+    """Return the softness of a ramp: the mean width of the steps between its tones, in illumination."""
     return float(np.mean([width for _, width in ramp.steps])) if ramp.steps else 0.0
 
 
 def disagreements(found: Sequence[Finding]) -> list[str]:
     """
-    Say where the numbers are against the paper, or do not bear it out.
+    Describe where the numbers contradict the paper or do not confirm it.
 
     Parameters
     ----------

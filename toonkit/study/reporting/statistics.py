@@ -1,15 +1,15 @@
 """Statistics of the study's table: centers with intervals, of methods and of differences between them (Section 4).
 
-Trials that share a shape are no independent samples, nor are those that share a color map. The bootstrap therefore draws
-shapes and color maps, both with replacement, and takes every trial of a drawn shape with a drawn color map: the crossed or
-pigeonhole bootstrap of A. B. Owen, Annals of Applied Statistics 1(2), 2007, doi:10.1214/07-AOAS122. Its intervals speak of
-other shapes and other color maps of the kind. With twenty of each they are a little too narrow: simulated ones that say
-95 % held the true mean 93 times in 100.
+Trials that share a shape are not independent samples, and neither are trials that share a color map. The bootstrap
+therefore resamples both shapes and color maps and takes every trial of a drawn shape with a drawn color map. This is
+the crossed or pigeonhole bootstrap of A. B. Owen, Annals of Applied Statistics 1(2), 2007, doi:10.1214/07-AOAS122. Its
+intervals are about other shapes and color maps of the same kind. With twenty of each they are slightly too narrow: in
+simulations, intervals of nominally 95 % contained the true mean 93 times in 100.
 
-The center is the mean. Where 1 is best, a measure is a ratio to the truth, and its center is the median: a few trials in
-which the truth hardly changes cannot make it.
+The center is the mean. A measure whose best value is 1 is a ratio to the truth, and its center is the median, which a
+few trials in which the truth hardly changes cannot distort.
 
-Drawing one shape anew gives the same shape: of too few, no interval can be had this way, and none is given.
+With too few shapes or color maps, resampling gives no meaningful interval, and none is reported.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ HEADLINE = (
     *("angular_error", "illumination_error", "color_map_rmse", "input_rmse", "input_difference"),
     *("relight_rmse", "relight_response"),
 )
-"""The measures of the report's first table. Time is none: it is taken while other trials keep the machine busy."""
+"""The measures of the report's first table. Time is not among them, because other trials run at the same time."""
 
 FEWEST = 5
 """Shapes, and color maps, below which there is no interval."""
@@ -48,7 +48,7 @@ GROUPINGS: tuple[Grouping, ...] = ("shape", "color_map", "shape_kind")
 @dataclass(frozen=True)
 class Interval:
     """
-    A center and how sure it is.
+    A center and its interval.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class Interval:
 @dataclass(frozen=True, eq=False)
 class Resamples:
     """
-    How often each shape and each color map was drawn.
+    How often each shape and each color map was drawn in each resample.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ def resample(table: Cells, *, generator: np.random.Generator | None = None) -> R
     table : Cells
         Any measure of the table.
     generator : numpy.random.Generator, optional
-        Source of chance; by default one that starts at `SEED`, so that all measures see the same draws.
+        Random generator; one that starts at `SEED` by default, so that all measures use the same resamples.
 
     Returns
     -------
@@ -276,7 +276,7 @@ def _groups(trials: pd.DataFrame, table: Cells, by: Grouping) -> NDArray[np.obje
 def _means(values: FloatArray, draws: Resamples) -> FloatArray:
     there = np.isfinite(values)
     total = _summed(np.where(there, values, 0.0), draws)
-    with np.errstate(invalid="ignore"):  # a resample that met nothing but holes has no mean
+    with np.errstate(invalid="ignore"):  # a resample of holes only has no mean
         return np.asarray(total / _summed(there.astype(np.float64), draws))
 
 

@@ -1,4 +1,4 @@
-"""The report's tables as they are shown: text with units, few decimals, and the best of each column known."""
+"""The tables of the report as text, with units and few decimals, and the best method of each column."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ EXTREMES = 3
 """Best and worst groups that are named."""
 
 UNRANKED = ("seconds",)
-"""Measures in which no method is called the best: trials are timed while others keep the machine busy."""
+"""Measures without a best method: trials are timed while others run."""
 
 IDLE = "flat"
 """The contestant that estimates nothing, and is never called the best."""
@@ -175,8 +175,8 @@ def refinements(trials: pd.DataFrame) -> pd.DataFrame:
     -------
     DataFrame
         A row for each method: `completed` and `failed` trials, median and largest number of `iterations` (sweeps, or
-        cycles of the multigrid), the share that `converged`, the most frequent reason why it `stopped`, and the `seconds`
-        of all its analyses together, by a clock on the wall while all cores were busy.
+        cycles of the multigrid), the share that `converged`, the most frequent reason why it `stopped`, and the
+        `seconds` of wall time of all its analyses together, while all cores were busy.
     """
     completed = trials[~failed(trials)]
     groups = completed.groupby("method")

@@ -124,7 +124,7 @@ def findings_text(found: Sequence[Finding]) -> str:
 
 
 def disagreements_text(found: Sequence[Finding]) -> str:
-    """Write as a list in Markdown where the numbers are against the paper or do not bear it out."""
+    """Write as a list in Markdown where the numbers contradict the paper or do not confirm it."""
     return "\n".join(f"- {text}" for text in disagreements(found)) or "Nowhere: every check holds."
 
 

@@ -1,1 +1,1 @@
-"""The solids of the study: how they are sculpted, and how rays meet them."""
+"""The solids of the study: their signed distances, and how rays intersect them."""

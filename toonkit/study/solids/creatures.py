@@ -1,4 +1,4 @@
-"""Complex solids that live: cat, rabbit, fish, duck, head and hand. Heights and sizes as seen from the front."""
+"""Complex solids: cat, rabbit, fish, duck, head and hand. Heights and sizes are as seen from the front."""
 
 from __future__ import annotations
 

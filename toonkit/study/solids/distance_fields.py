@@ -1,5 +1,5 @@
 """
-A small vocabulary of signed distances, from which the shapes of the study are put together.
+Signed distances, from which the shapes of the study are composed.
 
 A distance is a function of points, (n, 3) -> (n,), negative inside. All are exact on the surface: value zero and
 gradient of unit length along the normal. Off the surface they may under- or overestimate a little, which the

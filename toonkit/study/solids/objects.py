@@ -1,4 +1,4 @@
-"""Complex solids that do not move: mushroom, teapot, snowman, pear, knot, vase and drapery."""
+"""Complex solids: mushroom, teapot, snowman, pear, knot, vase and drapery."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Figures for print: the paper's, and those of the study, drawn with matplotlib in one house style."""
+"""Figures of the study, drawn with matplotlib, and the style that all printed figures share."""

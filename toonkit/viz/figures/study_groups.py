@@ -18,7 +18,7 @@ from toonkit.study.color_maps import Ramp, load_ramps
 from toonkit.study.reporting.cells import Cells, cells
 from toonkit.study.reporting.findings import step_width
 from toonkit.study.reporting.statistics import Grouping, breakdown, is_ratio
-from toonkit.viz.figures.panels import draw_ramp
+from toonkit.viz.figures.ramp import draw_ramp
 from toonkit.viz.figures.study_style import (
     ROW,
     apart,

@@ -20,20 +20,7 @@ from toonkit.model.image import ToonImage
 from toonkit.model.shading import illumination, shade
 from toonkit.relighting import relight
 from toonkit.study.rendering import RenderedShape
-from toonkit.viz.figures.panels import (
-    angles_text,
-    bare,
-    caption,
-    draw_light,
-    draw_normal_map,
-    draw_picture,
-    draw_ramp,
-    draw_values,
-    error_scale,
-    fill,
-    illumination_scale,
-    proportion,
-)
+from toonkit.viz.figures.ramp import draw_ramp
 from toonkit.viz.figures.style import (
     METHOD_COLORS,
     METHOD_LABELS,
@@ -41,6 +28,20 @@ from toonkit.viz.figures.style import (
     SMALL,
     figure_style,
     new_figure,
+)
+
+from .panels import (
+    angles_text,
+    bare,
+    caption,
+    draw_light,
+    draw_normal_map,
+    draw_picture,
+    draw_values,
+    error_scale,
+    fill,
+    illumination_scale,
+    proportion,
 )
 
 STRIP_WIDTH = 0.12

@@ -21,14 +21,16 @@ from toonkit.model.shading import illumination
 from toonkit.numerics.masked_grid import MaskedGrid
 from toonkit.relighting import relight
 from toonkit.study.rendering import RenderedShape
-from toonkit.viz.figures.panels import (
+from toonkit.viz.figures.ramp import draw_ramp
+from toonkit.viz.figures.style import GROUND, INK, PAGE_WIDTH, QUIET, SMALL, figure_style, new_figure
+
+from .panels import (
     angles_text,
     bare,
     caption,
     draw_light,
     draw_normal_map,
     draw_picture,
-    draw_ramp,
     draw_values,
     error_scale,
     fill,
@@ -38,7 +40,6 @@ from toonkit.viz.figures.panels import (
     part_title,
     proportion,
 )
-from toonkit.viz.figures.style import GROUND, INK, PAGE_WIDTH, QUIET, SMALL, figure_style, new_figure
 
 SILHOUETTE_ARROWS = 60
 PROFILES = 44

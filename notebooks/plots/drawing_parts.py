@@ -13,15 +13,10 @@ from toonkit._validation import refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
-from toonkit.viz.figures.panels import (
-    bare,
-    draw_normal_map,
-    draw_picture,
-    draw_ramp,
-    heading,
-    proportion,
-)
+from toonkit.viz.figures.ramp import draw_ramp
 from toonkit.viz.figures.style import PAGE_WIDTH, QUIET, figure_style, new_figure
+
+from .panels import bare, draw_normal_map, draw_picture, heading, proportion
 
 MAP_ROW = 0.62
 """Inches that a material takes in the figure of all color maps."""

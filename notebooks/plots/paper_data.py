@@ -15,8 +15,10 @@ from toonkit.model.image import ToonImage
 from toonkit.model.shading import shade
 from toonkit.study.color_maps import Ramp
 from toonkit.study.rendering import RenderedShape
-from toonkit.viz.figures.panels import caption, draw_picture, draw_ramp, fill, part_title, proportion
+from toonkit.viz.figures.ramp import draw_ramp
 from toonkit.viz.figures.style import INK, PAGE_WIDTH, QUIET, SMALL, figure_style, new_figure
+
+from .panels import caption, draw_picture, fill, part_title, proportion
 
 SHAPES_ACROSS = 7
 RAMPS_ACROSS = 3

@@ -20,7 +20,10 @@ from toonkit.study.measures import MEASURES, Measure
 from toonkit.study.reporting.cells import cells
 from toonkit.study.reporting.statistics import TOO_FEW, Interval, contrast, resample
 from toonkit.study.reporting.tables import heading
-from toonkit.viz.figures.panels import (
+from toonkit.viz.figures.study_style import ROW, guide, method_label, panel_width
+from toonkit.viz.figures.style import METHOD_COLORS, PAGE_WIDTH, QUIET, SMALL, figure_style, fold, new_figure
+
+from .panels import (
     angles_text,
     bare,
     caption,
@@ -32,9 +35,7 @@ from toonkit.viz.figures.panels import (
     fill,
     proportion,
 )
-from toonkit.viz.figures.paper_results import Comparison
-from toonkit.viz.figures.study_style import ROW, guide, method_label, panel_width
-from toonkit.viz.figures.style import METHOD_COLORS, PAGE_WIDTH, QUIET, SMALL, figure_style, fold, new_figure
+from .paper_results import Comparison
 
 ORACLES = ("toonkit with the true color map",)
 """Variants that are told what no method can know: drawn hollow."""

@@ -16,16 +16,10 @@ from toonkit.metrics import color_rmse
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.luminance import tone
-from toonkit.viz.figures.panels import (
-    caption,
-    draw_picture,
-    draw_ramp,
-    draw_values,
-    heading,
-    illumination_scale,
-    proportion,
-)
+from toonkit.viz.figures.ramp import draw_ramp
 from toonkit.viz.figures.style import INK, METHOD_COLORS, PAGE_WIDTH, QUIET, SMALL, figure_style, new_figure
+
+from .panels import caption, draw_picture, draw_values, heading, illumination_scale, proportion
 
 SCATTER_POINTS = 4000
 """Points in a scatter: enough to show its shape, few enough for a small file."""
