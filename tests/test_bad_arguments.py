@@ -51,6 +51,7 @@ ONE_ARGUMENT: dict[str, Callable[[object], object]] = {
     "analyze light": lambda odd: toonkit.analyze(PICTURE, [odd]),
     "analyze method": lambda odd: toonkit.analyze(PICTURE, LIGHT, method=odd),
     "analyze materials": lambda odd: toonkit.analyze(PICTURE, LIGHT, materials=[odd]),
+    "analyze ink": lambda odd: toonkit.analyze(PICTURE, LIGHT, ink=[odd]),
     "analyze previous": lambda odd: toonkit.analyze(PICTURE, LIGHT, previous=[odd]),
     "analyze progress": lambda odd: toonkit.analyze(PICTURE, LIGHT, progress=[odd]),
     "angular_error": lambda odd: toonkit.angular_error(NORMALS, odd),

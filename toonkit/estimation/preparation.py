@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from toonkit._validation import BoolArray, FloatArray, as_labels, of_type, refuse
+from toonkit._validation import BoolArray, FloatArray, as_labels, as_lines, of_type, refuse
 from toonkit.estimation.inflation import inflate_islands
 from toonkit.estimation.islands import Island, find_islands, with_surroundings
 from toonkit.estimation.overview import ReducedPaint, reduce_paint
 from toonkit.estimation.painted_tones import PaintedTones
 from toonkit.estimation.shading_ratio import GrayPaint, PaintedMaterial, gray_paint
 from toonkit.illustration.frame import Frame
-from toonkit.illustration.ink import Ink, find_ink
+from toonkit.illustration.ink import Ink, find_ink, known_ink
 from toonkit.illustration.materials import FoundMaterials, label_materials, shows_one_ramp
 from toonkit.illustration.mixed_pixels import MixedPixels, mixtures
 from toonkit.illustration.noise import without_noise
@@ -55,14 +55,23 @@ class PreparedDrawing:
         The drawing.
     materials : array_like of int, shape (H, W), optional
         Its materials, if somebody knows them: see `prepare`.
+    ink : array_like of bool, shape (H, W), optional
+        Its lines, if somebody knows them: see `prepare`.
+
+    Attributes
+    ----------
+    given_ink : ndarray of bool, shape (H, W), or None
+        The lines that were given, False outside the mask.
 
     Raises
     ------
     ToonkitError
-        If the object has more than `MOST_PIXELS` pixels, or the materials are none.
+        If the object has more than `MOST_PIXELS` pixels, or the materials or the ink are none.
     """
 
-    def __init__(self, image: ToonImage, materials: ArrayLike | None = None) -> None:
+    def __init__(
+        self, image: ToonImage, materials: ArrayLike | None = None, *, ink: ArrayLike | None = None
+    ) -> None:
         pixels = int(np.count_nonzero(image.mask))
         if pixels > MOST_PIXELS:
             raise refuse(
@@ -73,13 +82,18 @@ class PreparedDrawing:
         self.image = image
         self.box = bounding_box(image.mask)
         self._given_labels = None if materials is None else as_labels("materials", materials, image.mask)
+        self.given_ink = None if ink is None else as_lines("ink", ink, image.mask)
 
     def __repr__(self) -> str:
         return f"PreparedDrawing({describe_object(self.mask)})"
 
+    def with_ink(self, ink: ArrayLike, materials: ArrayLike | None = None) -> PreparedDrawing:
+        """Return the drawing with other ink, and other materials if they are given, as `prepare` takes them."""
+        return PreparedDrawing(self.image, self._given_labels if materials is None else materials, ink=ink)
+
     def with_materials(self, materials: ArrayLike) -> PreparedDrawing:
         """Return the drawing with other materials, as `prepare` takes them; they share what does not depend on them."""
-        other = PreparedDrawing(self.image, materials)
+        other = PreparedDrawing(self.image, materials, ink=self.given_ink)
         for name in WHATEVER_MATERIALS:
             if name in self.__dict__:
                 other.__dict__[name] = self.__dict__[name]
@@ -117,7 +131,14 @@ class PreparedDrawing:
 
     @cached_property
     def ink(self) -> Ink:
-        """The lines over the paint, on the object's frame. What one shaded material explains without any has none."""
+        """
+        The lines over the paint, on the object's frame: those given, or found.
+
+        Where none are given, what one shaded material explains without any has none.
+        """
+        if self.given_ink is not None:
+            lines = self.frame.cut(self.given_ink[self.box])
+            return known_ink(self.frame, lines, hard_edges=self.is_pixel_art)
         ink = find_ink(self.frame, hard_edges=self.is_pixel_art)
         if ink.coverage.any() and not ink.outlined and shows_one_ramp(self.frame, self.framed_normals):
             return replace(ink, coverage=np.zeros_like(ink.coverage), only_lines=False)
@@ -266,7 +287,10 @@ class PreparedDrawing:
 
 
 def prepare(
-    drawing: ToonImage | PreparedDrawing, *, materials: ArrayLike | Materials | None = None
+    drawing: ToonImage | PreparedDrawing,
+    *,
+    materials: ArrayLike | Materials | None = None,
+    ink: ArrayLike | None = None,
 ) -> PreparedDrawing:
     """
     Prepare a drawing for analysis.
@@ -274,10 +298,13 @@ def prepare(
     Parameters
     ----------
     drawing : ToonImage or PreparedDrawing
-        The drawing; one that is prepared returns as it is, unless other materials are given.
+        The drawing; one that is prepared returns as it is, unless other materials or ink are given.
     materials : array_like of int, shape (H, W), or Materials, optional
         Number of the material of each pixel, 0 and up, and -1 where that is left to toonkit; ignored outside the mask.
         Found if not given.
+    ink : array_like of bool, shape (H, W), optional
+        True where line art covers most of a pixel, False everywhere if there is none; ignored outside the mask. Found if not
+        given.
 
     Returns
     -------
@@ -287,14 +314,17 @@ def prepare(
     Raises
     ------
     ToonkitError
-        If the drawing is neither, its object has more than `MOST_PIXELS` pixels, or the materials are no such numbers.
+        If the drawing is neither, its object has more than `MOST_PIXELS` pixels, the materials are no such numbers, or
+        the ink is no such mask or covers all of the object.
     """
     if isinstance(materials, Materials):
         materials = materials.labels
     if isinstance(drawing, PreparedDrawing):
+        if ink is not None:
+            return drawing.with_ink(ink, materials)
         return drawing if materials is None else drawing.with_materials(materials)
     of_type("image", drawing, ToonImage)
-    return PreparedDrawing(drawing, materials)
+    return PreparedDrawing(drawing, materials, ink=ink)
 
 
 def find_materials(image: ToonImage | PreparedDrawing) -> Materials:

@@ -92,6 +92,8 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
         "report_reason": np.array(report.reason),
         "report_converged": np.array(report.converged),
     }
+    if analysis.drawing.given_ink is not None:
+        fields["ink"] = analysis.drawing.given_ink[image.mask]
     if not np.array_equal(initial, inflated):  # which follow from mask and alpha
         fields["initial_normals"] = pack_normals(initial)
     with (
@@ -181,7 +183,11 @@ def _assemble(arrays: Arrays, version: int) -> ToonAnalysis:
     initial = None
     if version != FORMAT_VERSION or "initial_normals" in arrays.names:
         initial = _normals(arrays, "initial_normals", mask, version)
-    drawing = _drawing(image, materials)
+    ink = None
+    if "ink" in arrays.names:
+        ink = np.zeros(mask.shape, np.bool_)
+        ink[mask] = arrays.read("ink", "b", pixels)
+    drawing = _drawing(image, materials, ink)
     return ToonAnalysis(
         image=image,
         method=method,
@@ -235,11 +241,11 @@ def _report(arrays: Arrays) -> SolverReport:
     )
 
 
-def _drawing(image: ToonImage, materials: Materials) -> PreparedDrawing:
+def _drawing(image: ToonImage, materials: Materials, ink: BoolArray | None) -> PreparedDrawing:
     """Prepare a drawing again. Materials that toonkit finds are not given, or it would unmix what is beside ink anew."""
-    drawing = prepare(image)
+    drawing = prepare(image, ink=ink)
     if not np.array_equal(drawing.materials.labels, materials.labels):
-        drawing = prepare(image, materials=materials.labels)
+        drawing = prepare(drawing, materials=materials.labels)
     if drawing.materials.count != materials.count:
         raise refuse(
             "material_labels", f"must be those of {materials.count} materials", drawing.materials.count

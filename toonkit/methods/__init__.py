@@ -78,6 +78,7 @@ def analyze(
     *,
     method: str = "toonkit",
     materials: ArrayLike | Materials | None = None,
+    ink: ArrayLike | None = None,
     previous: ToonAnalysis | None = None,
     progress: StepProgress | None = None,
 ) -> ToonAnalysis:
@@ -96,6 +97,9 @@ def analyze(
     materials : array_like of int, shape (H, W), or Materials, optional
         Number of the material of each pixel, 0 and up, and -1 where that is left to toonkit; ignored outside the mask.
         Found if not given.
+    ink : array_like of bool, shape (H, W), optional
+        True where line art covers most of a pixel, False everywhere if there is none; ignored outside the mask. Found if not
+        given.
     previous : ToonAnalysis, optional
         An analysis of the same mask under a nearby light. `toonkit` and `classical` start from it and answer sooner; one of
         the same picture passes on what was derived from it.
@@ -110,9 +114,9 @@ def analyze(
     Raises
     ------
     ToonkitError
-        If the method is unknown, the image is neither a `ToonImage` nor a file that can be read, the light or the materials
-        are refused, the previous analysis is of another mask, or the drawing shows nothing but lines and no materials are
-        given.
+        If the method is unknown, the image is neither a `ToonImage` nor a file that can be read, the light, the materials
+        or the ink are refused, the previous analysis is of another mask, or the drawing shows nothing but lines and no
+        materials are given.
 
     Examples
     --------
@@ -135,10 +139,10 @@ def analyze(
     if isinstance(image, (str, PathLike)):
         image = load_image(drawing_path(fspath(image)))
     direction = None if light is None else direction_of("light", light)
-    if previous is not None and previous.image is image and materials is None:
+    if previous is not None and previous.image is image and materials is None and ink is None:
         drawing = previous.drawing
     else:
-        drawing = prepare(image, materials=materials)
+        drawing = prepare(image, materials=materials, ink=ink)
         if previous is not None:
             same_mask("previous", previous.image.mask, drawing.mask, "the picture")
     if materials is None and drawing.ink.only_lines:
