@@ -34,6 +34,7 @@ from toonkit.metrics import (
 )
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
+from toonkit.model.layer_loading import LayeredDrawing, load_layers
 from toonkit.model.light import light_angles, light_direction
 from toonkit.model.loading import load_image
 from toonkit.model.materials import Materials
@@ -51,6 +52,7 @@ __all__ = [
     "ErrorSummary",
     "HeightField",
     "IlluminationInterval",
+    "LayeredDrawing",
     "LightEstimate",
     "Materials",
     "NormalField",
@@ -80,6 +82,7 @@ __all__ = [
     "light_direction",
     "load_analysis",
     "load_image",
+    "load_layers",
     "read_normal_map",
     "refine",
     "relight",

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from toonkit._validation import ToonkitError, ToonkitWarning, expand_home, refuse
 from toonkit.cli.batch import add_batch_command
 from toonkit.cli.dashboard import add_dashboard_command
-from toonkit.cli.drawing_work import DrawingWork, add_work_options, analyze_drawing
+from toonkit.cli.drawing_work import DrawingWork, add_work_options, analyze_drawing, layer_options
 from toonkit.cli.lights import parse_color, parse_light
 from toonkit.cli.progress import StepBar, show_warning
 from toonkit.cli.streams import complain, discard_output, prepare_streams
@@ -24,7 +24,7 @@ from toonkit.cli.study import add_study_commands
 from toonkit.samples import PREFIX, drawing_path, sample_names, sample_path
 
 if TYPE_CHECKING:
-    from toonkit.analysis import ToonAnalysis
+    from toonkit.cli.drawing_work import AnalyzedDrawing
 
 UNSURE = 0.5
 """Confidence in an estimated light below which the summary says that it is a guess."""
@@ -109,7 +109,10 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND", title="commands")
 
     analyze = commands.add_parser("analyze", help="take a drawing apart into light, shape and colors")
-    analyze.add_argument("drawing", help=f"picture file, or {PREFIX}NAME for a drawing that toonkit ships")
+    analyze.add_argument(
+        "drawing",
+        help=f"picture, .psd, .ora or .kra file, folder of layers, or {PREFIX}NAME for a drawing that toonkit ships",
+    )
     analyze.add_argument(
         "-o", "--out", required=True, metavar="FOLDER", help="where to write; created if need be"
     )
@@ -221,23 +224,25 @@ def _analyze(arguments: argparse.Namespace) -> int:
         arguments.bleed,
         mask=None if arguments.mask is None else Path(arguments.mask),
         materials=None if arguments.materials is None else Path(arguments.materials),
+        **layer_options(arguments),
     )
     with StepBar(visible=not arguments.quiet) as progress:
-        analysis, written = analyze_drawing(work, arguments.out, progress=progress, seconds=progress.seconds)
+        analyzed = analyze_drawing(work, arguments.out, progress=progress, seconds=progress.seconds)
         seconds = sum(progress.seconds().values())
     if not arguments.quiet:
-        _summarize(analysis, arguments.drawing, seconds)
-        print(f"written to {next(iter(written)).parent}:")
-        width = max(len(path.name) for path in written)
-        for path, what in written.items():
+        _summarize(analyzed, arguments.drawing, seconds)
+        print(f"written to {next(iter(analyzed.files)).parent}:")
+        width = max(len(path.name) for path in analyzed.files)
+        for path, what in analyzed.files.items():
             print(f"  {path.name:<{width}}  {what}")
     return 0
 
 
-def _summarize(analysis: ToonAnalysis, drawing: str, seconds: float) -> None:
+def _summarize(analyzed: AnalyzedDrawing, drawing: str, seconds: float) -> None:
     from toonkit.export.report import ink_share  # noqa: PLC0415
     from toonkit.relighting import Paint  # noqa: PLC0415
 
+    analysis = analyzed.analysis
     estimate, materials = analysis.light_estimate, analysis.materials
     print(f"{drawing}: {int(analysis.image.mask.sum()):,} pixels analyzed in {seconds:.1f} s")
     print(f"light: {analysis.describe_light()}")
@@ -252,6 +257,10 @@ def _summarize(analysis: ToonAnalysis, drawing: str, seconds: float) -> None:
         print(f"materials: {materials.count}, {flat or 'none'} of them flat")
     if (share := ink_share(analysis.drawing)) > 0:
         print(f"line art: {100 * share:.1f} % of the drawing, which stays as drawn")
+    if analyzed.drawing.ink_layers:
+        print(f"line art from the layers: {', '.join(analyzed.drawing.ink_layers)}")
+    if analyzed.drawing.flats_layers:
+        print(f"materials from the layers: {', '.join(analyzed.drawing.flats_layers)}")
     if Paint.of(analysis, None, keep_detail=True).palette is not None:
         print("pixel art: relight keeps to its colors, unless you add --no-palette")
 

@@ -19,8 +19,8 @@ from toonkit.methods.steps import StepProgress
 from toonkit.methods.todo import todo
 from toonkit.methods.toonkit import toonkit
 from toonkit.model.image import ToonImage
+from toonkit.model.layer_loading import load_layers
 from toonkit.model.light import direction_of
-from toonkit.model.loading import load_image
 from toonkit.model.materials import Materials
 from toonkit.numerics.bands import single_threaded_blas
 from toonkit.samples import drawing_path
@@ -88,7 +88,8 @@ def analyze(
     Parameters
     ----------
     image : ToonImage or path
-        The picture, a file that `load_image` reads, or "sample:NAME" for a drawing that toonkit ships.
+        The picture; a file that `load_layers` reads, whose layers then give materials and ink that are not given here; or
+        "sample:NAME" for a drawing that toonkit ships.
     light : array_like, shape (3,) or (2,), optional
         Direction from the surface to the light that the artist had in mind, or its azimuth and elevation in degrees;
         estimated if not given, and upper left where the picture does not say: see `ToonAnalysis.light_estimate`.
@@ -137,7 +138,10 @@ def analyze(
         of_type("previous", previous, ToonAnalysis)
     check_callable("progress", progress)
     if isinstance(image, (str, PathLike)):
-        image = load_image(drawing_path(fspath(image)))
+        layered = load_layers(drawing_path(fspath(image)))
+        image = layered.image
+        materials = layered.materials if materials is None else materials
+        ink = layered.ink if ink is None else ink
     direction = None if light is None else direction_of("light", light)
     if previous is not None and previous.image is image and materials is None and ink is None:
         drawing = previous.drawing
