@@ -1,4 +1,4 @@
-"""The command line: `toonkit analyze`, `relight`, `batch`, `samples`, `dashboard` and `study`.
+"""The command line: `toonkit analyze`, `relight`, `mesh`, `batch`, `samples`, `dashboard` and `study`.
 
 Everything heavy is imported inside the commands, so that `toonkit --version` and `--help` answer at once.
 """
@@ -18,6 +18,7 @@ from toonkit.cli.batch import add_batch_command
 from toonkit.cli.dashboard import add_dashboard_command
 from toonkit.cli.drawing_work import DrawingWork, add_work_options, analyze_drawing, layer_options
 from toonkit.cli.lights import parse_color, parse_light
+from toonkit.cli.mesh import add_mesh_command
 from toonkit.cli.progress import StepBar, show_warning
 from toonkit.cli.streams import complain, discard_output, prepare_streams
 from toonkit.cli.study import add_study_commands
@@ -195,6 +196,7 @@ def _parser() -> argparse.ArgumentParser:
     relight.add_argument("--quiet", action="store_true", help="no progress bar and no summary")
     relight.set_defaults(run=_relight)
 
+    add_mesh_command(commands)
     add_batch_command(commands)
     samples = commands.add_parser("samples", help="list the drawings that toonkit ships")
     samples.set_defaults(run=_samples)
