@@ -12,7 +12,7 @@ from PIL import Image
 from toonkit._validation import BoolArray, FloatArray, is_count, is_number, of_type, one_of, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
-from toonkit.heightfield import height_map
+from toonkit.heightfield import height_map, level_rim
 from toonkit.model.image import nearest_object_pixel
 
 if TYPE_CHECKING:
@@ -107,8 +107,9 @@ def textured_mesh(
 
     Notes
     -----
-    The height is that of `toonkit.height_map`; the vertices have the normals of the analysis, which show more than the
-    height does. Two triangles fill each 2 x 2 block of the mesh's pixels that lies on the object.
+    The height is that of `toonkit.height_map`, for a closed mesh bent so that the rim is level. The vertices have the
+    normals of the analysis, which show more than the height does. Two triangles fill each 2 x 2 block of the mesh's pixels
+    that lies on the object.
     """
     of_type("analysis", analysis, ToonAnalysis)
     one_of("back", back, BACKS)
@@ -122,7 +123,7 @@ def textured_mesh(
 
     rows, columns = (np.flatnonzero(analysis.image.mask.any(axis=axis)) for axis in (1, 0))
     longest = max(rows[-1] - rows[0], columns[-1] - columns[0]) + 1
-    surface = _front(analysis, -(-longest // vertices))
+    surface = _front(analysis, -(-longest // vertices), level=back != "none")
     if back != "none":
         surface = _closed(surface, back, PLATE * longest)
     middle = np.array([columns[0] + columns[-1], -rows[0] - rows[-1], 0.0]) / 2
@@ -148,10 +149,11 @@ def textured_mesh(
     )
 
 
-def _front(analysis: ToonAnalysis, step: int) -> _Surface:
-    """Return the surface that the drawing shows, of every so many pixels in both directions."""
+def _front(analysis: ToonAnalysis, step: int, *, level: bool) -> _Surface:
+    """Return the surface that the drawing shows, of every so many pixels in both directions, perhaps with a level rim."""
     sample = np.s_[step // 2 :: step, step // 2 :: step]
-    height = height_map(analysis.normals).height[sample]
+    field = height_map(analysis.normals)
+    height = (level_rim(field) if level else field).height[sample]
     normals, mask = analysis.normals.vectors[sample], analysis.image.mask[sample]
     blocks = mask[:-1, :-1] & mask[1:, :-1] & mask[:-1, 1:] & mask[1:, 1:]
     if not blocks.any():
