@@ -240,3 +240,19 @@ def test_a_path_and_a_light_in_degrees_are_taken(drawn, tmp_path):
     analysis = analyze(tmp_path / "figure.png", (135, 45))
     assert np.allclose(analysis.light, light_direction(135, 45))
     assert analysis.materials.count == 3
+
+
+def test_islands_do_not_see_each_other():
+    canvas = Canvas()
+    canvas.ball(Ball(22, 48, 20, GREEN), 0)
+    lower = canvas.disc(22, 48, 20) & (canvas.rows > 24)
+    canvas.fill(lower, FLAT, 1)  # down to the rim, which is nearer to the other ball than to the paint above
+    canvas.ball(Ball(66, 48, 22, GREEN), 0)
+    drawn = canvas.drawn()
+    labels, first = np.where(drawn.mask, drawn.label, -1), np.s_[:43]
+    whole = prepare(ToonImage(drawn.color, drawn.mask), materials=labels)
+    alone = prepare(ToonImage(drawn.color[first], drawn.mask[first]), materials=labels[first])
+    assert len(whole.islands) == 2
+    tone = np.zeros(drawn.mask.shape)
+    tone[drawn.mask] = whole.gray.tone
+    assert np.allclose(tone[first][alone.mask], alone.gray.tone, atol=0.01)

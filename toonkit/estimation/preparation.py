@@ -223,7 +223,7 @@ class PreparedDrawing:
     @cached_property
     def gray(self) -> GrayPaint:
         """The shading that the paint shows, whatever its material."""
-        return gray_paint(self.painted_materials, self.grid, self.inked)
+        return gray_paint(self.painted_materials, self.islands, self.inked)
 
     @cached_property
     def reduced_paint(self) -> tuple[ReducedPaint, ...]:
