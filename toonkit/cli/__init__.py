@@ -1,4 +1,4 @@
-"""The command line: `toonkit analyze`, `relight`, `mesh`, `batch`, `samples`, `dashboard` and `study`.
+"""The command line: `toonkit analyze`, `relight`, `frames`, `mesh`, `batch`, `samples`, `dashboard` and `study`.
 
 Everything heavy is imported inside the commands, so that `toonkit --version` and `--help` answer at once.
 """
@@ -17,6 +17,7 @@ from toonkit._validation import ToonkitError, ToonkitWarning, expand_home, refus
 from toonkit.cli.batch import add_batch_command
 from toonkit.cli.dashboard import add_dashboard_command
 from toonkit.cli.drawing_work import DrawingWork, add_work_options, analyze_drawing, layer_options
+from toonkit.cli.frames import add_frames_command, relight_frames
 from toonkit.cli.lights import parse_color, parse_light
 from toonkit.cli.mesh import add_mesh_command
 from toonkit.cli.progress import StepBar, show_warning
@@ -196,6 +197,7 @@ def _parser() -> argparse.ArgumentParser:
     relight.add_argument("--quiet", action="store_true", help="no progress bar and no summary")
     relight.set_defaults(run=_relight)
 
+    add_frames_command(commands)
     add_mesh_command(commands)
     add_batch_command(commands)
     samples = commands.add_parser("samples", help="list the drawings that toonkit ships")
@@ -289,7 +291,7 @@ def _relight(arguments: argparse.Namespace) -> int:
 
     from toonkit.export.animation import write_orbit  # noqa: PLC0415
     from toonkit.export.archive import load_analysis  # noqa: PLC0415
-    from toonkit.export.folder import ARCHIVE_NAME  # noqa: PLC0415
+    from toonkit.export.folder import ARCHIVE_NAME, LAYOUT_NAME  # noqa: PLC0415
     from toonkit.export.layer_files import write_layers  # noqa: PLC0415
     from toonkit.export.layers import split_layers  # noqa: PLC0415
     from toonkit.export.light_profiles import write_light_profiles  # noqa: PLC0415
@@ -297,7 +299,6 @@ def _relight(arguments: argparse.Namespace) -> int:
     from toonkit.relighting import relight  # noqa: PLC0415
 
     source = expand_home(arguments.analysis)
-    analysis = load_analysis(source / ARCHIVE_NAME if source.is_dir() else source)
     options: dict[str, Any] = {
         "keep_detail": not arguments.model_only,
         "flat_shading": arguments.flat_shading,
@@ -305,6 +306,12 @@ def _relight(arguments: argparse.Namespace) -> int:
         "light_color": parse_color(arguments.light_color),
         "ambient": arguments.ambient,
     }
+    if (source / LAYOUT_NAME).is_file():
+        relight_frames(source, arguments, options)
+        if not arguments.quiet:
+            print(f"written to {arguments.out}")
+        return 0
+    analysis = load_analysis(source / ARCHIVE_NAME if source.is_dir() else source)
     if light is not None and arguments.out is not None:
         write_picture(relight(analysis, light, **options), arguments.out)
     if light is not None and arguments.layers is not None:

@@ -57,6 +57,8 @@ class PreparedDrawing:
         Its materials, if somebody knows them: see `prepare`.
     ink : array_like of bool, shape (H, W), optional
         Its lines, if somebody knows them: see `prepare`.
+    views : int, optional
+        How often it shows the object side by side. Lines are as wide as in one view, and all views have the same materials.
 
     Attributes
     ----------
@@ -70,7 +72,12 @@ class PreparedDrawing:
     """
 
     def __init__(
-        self, image: ToonImage, materials: ArrayLike | None = None, *, ink: ArrayLike | None = None
+        self,
+        image: ToonImage,
+        materials: ArrayLike | None = None,
+        *,
+        ink: ArrayLike | None = None,
+        views: int = 1,
     ) -> None:
         pixels = int(np.count_nonzero(image.mask))
         if pixels > MOST_PIXELS:
@@ -80,6 +87,7 @@ class PreparedDrawing:
                 f"{pixels:,}",
             )
         self.image = image
+        self.views = views
         self.box = bounding_box(image.mask)
         self._given_labels = None if materials is None else as_labels("materials", materials, image.mask)
         self.given_ink = None if ink is None else as_lines("ink", ink, image.mask)
@@ -89,11 +97,12 @@ class PreparedDrawing:
 
     def with_ink(self, ink: ArrayLike, materials: ArrayLike | None = None) -> PreparedDrawing:
         """Return the drawing with other ink, and other materials if they are given, as `prepare` takes them."""
-        return PreparedDrawing(self.image, self._given_labels if materials is None else materials, ink=ink)
+        labels = self._given_labels if materials is None else materials
+        return PreparedDrawing(self.image, labels, ink=ink, views=self.views)
 
     def with_materials(self, materials: ArrayLike) -> PreparedDrawing:
         """Return the drawing with other materials, as `prepare` takes them; they share what does not depend on them."""
-        other = PreparedDrawing(self.image, materials, ink=self.given_ink)
+        other = PreparedDrawing(self.image, materials, ink=self.given_ink, views=self.views)
         for name in WHATEVER_MATERIALS:
             if name in self.__dict__:
                 other.__dict__[name] = self.__dict__[name]
@@ -177,7 +186,7 @@ class PreparedDrawing:
     @cached_property
     def is_pixel_art(self) -> bool:
         """Whether the drawing is pixel art."""
-        return is_pixel_art(self.image)
+        return is_pixel_art(self.image, views=self.views)
 
     def places(self, pixels: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Row and column, in the picture, of some of the object's pixels."""
@@ -259,7 +268,7 @@ class PreparedDrawing:
     @cached_property
     def frame(self) -> Frame:
         """The object, cut out, without a compressor's noise."""
-        return without_noise(Frame.around(self.image.color[self.box], self.grid.mask))
+        return without_noise(Frame.around(self.image.color[self.box], self.grid.mask, views=self.views))
 
     def _on_picture(self, framed: NDArray[Any], fill: float) -> NDArray[Any]:
         """Put values (h, w, ...) of the frame into the picture, (H, W, ...), filled elsewhere."""
