@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from toonkit._validation import FloatArray, expand_home, of_type, refuse
+from toonkit._validation import FloatArray, as_path, expand_home, of_type, refuse
 from toonkit.export.animation import write_animation
 from toonkit.export.archive import load_analysis, save_analysis
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
@@ -142,7 +142,7 @@ def read_frame_folder(folder: PathLike) -> tuple[FrameAnalysis, Frames]:
     ToonkitError
         If a file is missing or damaged.
     """
-    source = expand_home(folder)
+    source = expand_home(as_path("folder", folder))
     try:
         described = json.loads((source / LAYOUT_NAME).read_text(encoding="utf-8"))
         if described["version"] != _VERSION:

@@ -41,6 +41,7 @@ class FrameAnalysis:
         of_type("analysis", self.analysis, ToonAnalysis)
         height, width = self.analysis.image.shape
         for place in self.places:
+            of_type("places", place, Place)
             rows, columns = place.in_montage
             if rows.stop > height or columns.stop > width:
                 raise refuse("places", f"must lie in the montage of {width} x {height} pixels", f"{place}")
@@ -117,6 +118,8 @@ def analyze_frames(
     same place in its color map, and ink is told by what it is in all frames together. The shape is found for each part of a
     frame by itself. Widths of lines are judged by the size of one frame.
     """
+    if not isinstance(frames, Sequence) and not (isinstance(frames, np.ndarray) and frames.ndim):
+        raise refuse("frames", "must be a sequence of arrays", type(frames).__name__)
     pictures = [_checked(frame) for frame in frames]
     if not any(picture[..., 3].any() for picture in pictures):
         raise refuse("frames", "must show something", f"{len(pictures)} frames without any visible pixel")

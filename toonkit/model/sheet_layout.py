@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from toonkit._validation import BoolArray, is_count, refuse
+from toonkit._validation import BoolArray, as_path, is_count, refuse
 from toonkit.model.file_bytes import read_bytes
 
 MOST_FRAMES = 1024
@@ -213,7 +213,7 @@ def read_atlas(path: str | os.PathLike[str], shape: tuple[int, int]) -> tuple[Sh
     ToonkitError
         If the file is no such atlas, or a frame leaves the sheet.
     """
-    content, name = read_bytes("atlas", path, limit=MOST_ATLAS_BYTES, kind="an atlas")
+    content, name = read_bytes("atlas", as_path("atlas", path), limit=MOST_ATLAS_BYTES, kind="an atlas")
     rule = "must be a JSON atlas as TexturePacker or Aseprite write it"
     try:
         atlas = json.loads(content)
