@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tests.turning import LIGHT, TONES, turned, turning
+from tests.turning import INK, LIGHT, TONES, turned, turning
 from toonkit import ToonkitError, ToonkitWarning, analyze_frames, load_image, read_frames
 from toonkit.cli import main
 from toonkit.export.frame_files import read_frame_folder, write_frame_folder, write_frames
@@ -114,6 +114,25 @@ def test_the_same_frame_twice_has_the_same_normals(few):
 def test_under_its_own_light_each_frame_returns_unchanged(few, quick):
     for before, after in zip(few, quick.relight(LIGHT), strict=True):
         assert equal(after, before)
+
+
+def test_pixel_art_keeps_its_palette_in_all_frames(few):
+    colors = np.array([*(tone for tones in TONES.values() for tone in tones), INK])
+    hard = []
+    for frame in few:
+        sprite = frame[::2, ::2].copy()
+        nearest = np.square(sprite[..., None, :3].astype(int) - colors).sum(axis=-1).argmin(axis=-1)
+        on = sprite[..., 3:] >= 128
+        hard.append(np.where(on, np.dstack([colors[nearest], np.full(on.shape, 255)]), 0).astype(np.uint8))
+    result = analyze_frames(hard * 6, LIGHT, method="lumo")  # more than 100 pixels across
+    assert result.analysis.drawing.is_pixel_art
+    relit = np.concatenate([frame[frame[..., 3] > 0] for frame in result.relight(NEW_LIGHT)])
+    assert {*map(tuple, relit[:, :3].tolist())} <= {*map(tuple, colors.tolist())}
+
+
+def test_many_frames_are_each_an_object(few):
+    drawing = analyze_frames([few[0][12:36, 12:36]] * 150, LIGHT, method="lumo").analysis.drawing
+    assert len(drawing.islands) == 150
 
 
 def test_frames_of_several_sizes_and_empty_ones_keep_their_place(few):

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from toonkit._validation import BoolArray, FloatArray, as_labels, as_lines, of_type, refuse
 from toonkit.estimation.inflation import inflate_islands
-from toonkit.estimation.islands import Island, find_islands, with_surroundings
+from toonkit.estimation.islands import MOST, Island, find_islands, with_surroundings
 from toonkit.estimation.overview import ReducedPaint, reduce_paint
 from toonkit.estimation.painted_tones import PaintedTones
 from toonkit.estimation.shading_ratio import GrayPaint, PaintedMaterial, gray_paint
@@ -136,7 +136,7 @@ class PreparedDrawing:
     @cached_property
     def islands(self) -> tuple[Island, ...]:
         """The parts of the object that do not touch."""
-        return find_islands(self.grid, self._coverage)
+        return find_islands(self.grid, self._coverage, most=MOST * self.views)
 
     @cached_property
     def ink(self) -> Ink:
