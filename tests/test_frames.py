@@ -276,6 +276,19 @@ def test_a_normal_map_of_a_sheet_fits_its_frames(packed, tmp_path):
         assert angles(cut_out[on] / 127.5 - 1, normals[on]).max() < 0.6
 
 
+def test_a_sheet_has_a_normal_map_for_an_engine(packed, tmp_path):
+    command = ["frames", str(packed[0]), "-o", str(tmp_path / "out"), "--method", "lumo", "--light", "130,45"]
+    assert main([*command, "--engine", "unreal"]) == 0
+    up, down = read(tmp_path / "out" / "normals.png"), read(tmp_path / "out" / "base_color_n.png")
+    on = up[..., 3] > 0
+    assert np.abs(up[on][:, 1].astype(int) + down[on][:, 1] - 255).max() <= 1
+    assert np.array_equal(up[on][:, [0, 2, 3]], down[on][:, [0, 2, 3]])
+    assert (
+        json.loads((tmp_path / "out" / "base_color_n.json").read_text())["meta"]["image"]
+        == "base_color_n.png"
+    )
+
+
 @pytest.mark.parametrize(
     ("content", "rule"),
     [

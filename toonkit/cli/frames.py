@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from toonkit._validation import expand_home, refuse
-from toonkit.cli.drawing_work import ESTIMATED, METHOD_NAMES
+from toonkit.cli.drawing_work import ENGINE_NAMES, ESTIMATED, METHOD_NAMES
 from toonkit.cli.lights import parse_light
 from toonkit.cli.progress import StepBar
 
@@ -41,6 +41,11 @@ def add_frames_command(commands: Any) -> None:
     frames.add_argument(
         "--method", choices=METHOD_NAMES, default="toonkit", help="estimator (default: toonkit)"
     )
+    frames.add_argument(
+        "--engine",
+        choices=ENGINE_NAMES,
+        help="write a normal map for this engine, too, beside base_color.png: with its green axis and bits",
+    )
     frames.add_argument("--quiet", action="store_true", help="no progress bar and no summary")
     frames.set_defaults(run=_frames)
 
@@ -57,7 +62,9 @@ def _frames(arguments: argparse.Namespace) -> int:
     make_folder(arguments.out)  # before the long work, so that a bad name costs no time
     with StepBar(visible=not arguments.quiet) as progress:
         result = toonkit.analyze_frames(frames.pictures, light, method=arguments.method, progress=progress)
-        written = write_frame_folder(result, frames, arguments.out, suffix=_suffix(arguments.file, frames))
+        written = write_frame_folder(
+            result, frames, arguments.out, suffix=_suffix(arguments.file, frames), engine=arguments.engine
+        )
     if not arguments.quiet:
         count, materials = len(frames.pictures), result.analysis.materials.count
         print(f"{arguments.file}: {count} frame{'' if count == 1 else 's'} analyzed as one drawing")

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from toonkit._validation import FloatArray, as_path, expand_home, of_type, refuse
+from toonkit._validation import FloatArray, as_path, expand_home, of_type, one_of, refuse
 from toonkit.export.animation import write_animation
 from toonkit.export.archive import load_analysis, save_analysis
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
+from toonkit.export.engines import ENGINES, SUFFIX, Engine
 from toonkit.export.folder import ARCHIVE_NAME, LAYOUT_NAME, make_folder
 from toonkit.export.normal_map import write_normal_map
 from toonkit.export.picture import write_picture
@@ -28,6 +29,7 @@ BLEED = 2.0
 """Pixels by which the normals of a sheet go on outside each frame's object: as many as a tight atlas leaves free."""
 
 _VERSION = 1
+_PLAIN = Engine("opengl", 8, "")
 
 
 def write_frames(pictures: Sequence[NDArray[np.uint8]], frames: Frames, path: PathLike) -> list[Path]:
@@ -70,7 +72,12 @@ def write_frames(pictures: Sequence[NDArray[np.uint8]], frames: Frames, path: Pa
 
 
 def write_frame_folder(
-    result: FrameAnalysis, frames: Frames, folder: PathLike, *, suffix: str = ".png"
+    result: FrameAnalysis,
+    frames: Frames,
+    folder: PathLike,
+    *,
+    suffix: str = ".png",
+    engine: str | None = None,
 ) -> dict[Path, str]:
     """
     Write the analysis of frames into a folder.
@@ -85,6 +92,8 @@ def write_frame_folder(
         Created if need be; files of the same names in it are replaced.
     suffix : str, optional
         That of the base color's file; normals and materials are written without loss, as .png.
+    engine : str, optional
+        A key of `toonkit.export.engines.ENGINES`: the folder then has a normal map for it, base_color_n.png.
 
     Returns
     -------
@@ -94,9 +103,11 @@ def write_frame_folder(
     Raises
     ------
     ToonkitError
-        If the folder cannot be written to.
+        If the folder cannot be written to, or there is no such engine.
     """
     of_type("result", result, FrameAnalysis)
+    if engine is not None:
+        one_of("engine", engine, ENGINES)
     target = make_folder(folder)
     save_analysis(result.analysis, target / ARCHIVE_NAME)
     with atomic_write(target / LAYOUT_NAME) as file:
@@ -113,11 +124,13 @@ def write_frame_folder(
     materials = target / "materials.png"
     for path in write_frames([label_picture(labels) for labels in result.labels()], frames, materials):
         written[path] = "the atlas of it" if path.suffix == ".json" else "their materials, a color each"
-    normals = target / "normals.png"
-    _write_normals(result.normals(), [picture[..., 3] for picture in base], frames, normals)
-    written[normals] = "normal map, green up (OpenGL)"
-    for path in _write_atlas(frames, normals):
-        written[path] = "the atlas of it"
+    maps = {"normals.png": ("normal map, green up (OpenGL)", _PLAIN)}
+    if engine is not None:
+        maps[f"base_color{SUFFIX}.png"] = f"normal map for {engine.capitalize()}", ENGINES[engine]
+    for name, (what, preset) in maps.items():
+        _write_normals(result.normals(), [picture[..., 3] for picture in base], frames, target / name, preset)
+        written[target / name] = what
+        written.update(dict.fromkeys(_write_atlas(frames, target / name), "the atlas of it"))
     return written
 
 
@@ -173,15 +186,20 @@ def _described(result: FrameAnalysis, frames: Frames) -> dict[str, Any]:
 
 
 def _write_normals(
-    normals: Sequence[FloatArray], alphas: Sequence[NDArray[np.uint8]], frames: Frames, path: Path
+    normals: Sequence[FloatArray],
+    alphas: Sequence[NDArray[np.uint8]],
+    frames: Frames,
+    path: Path,
+    preset: Engine,
 ) -> None:
+    """Write the normals of frames as a normal map; those of an animation have 8 bits a channel."""
     vectors = frames.layout.put_together(normals, np.nan)
     field = NormalField(vectors, np.isfinite(vectors[..., 2]))
     alpha = frames.layout.put_together(alphas) / 255.0
     if frames.timing is None:
-        write_normal_map(field, path, alpha=alpha, bleed=BLEED)
+        write_normal_map(field, path, bits=preset.bits, green=preset.green, alpha=alpha, bleed=BLEED)
         return
-    encoded = encode_normal_map(field)
+    encoded = encode_normal_map(field, green=preset.green)
     whole = np.dstack([encoded, np.where(field.mask, np.round(255 * alpha), 0).astype(np.uint8)])
     write_animation([np.ascontiguousarray(frame) for frame in frames.layout.cut(whole)], frames.timing, path)
 
