@@ -26,12 +26,16 @@ from toonkit.export.archive import load_analysis, save_analysis
 from toonkit.export.color_map import read_color_map, write_color_map, write_color_maps
 from toonkit.export.contact_sheet import contact_sheet
 from toonkit.export.folder import make_folder, write_analysis_folder
+from toonkit.export.frame_files import read_frame_folder, write_frames
 from toonkit.export.line_art import line_art
+from toonkit.export.mesh import textured_mesh
 from toonkit.export.normal_map import write_normal_map
 from toonkit.export.picture import write_picture
 from toonkit.export.report import analysis_report, write_report
+from toonkit.heightfield import level_rim
 from toonkit.model.label_colors import label_picture
 from toonkit.model.normals import decode_normal_map, encode_normal_map
+from toonkit.samples import sample_path
 
 SHAPE = ellipse(10, 8)
 MASK, NORMALS = SHAPE.mask, SHAPE.normals
@@ -43,6 +47,8 @@ INTERVAL = toonkit.illumination_interval(PICTURE, RAMP)
 HEIGHT = toonkit.height_map(NORMALS)
 RAGGED = [[1, 0], [1]]
 
+SAMPLE = sample_path("pear")
+
 ODD = [None, 5, "text", b"bytes", [], [[]], {}, object(), np.zeros((0, 0)), np.array("a"), RAGGED, [10**400]]
 """What is no argument of a function that wants one of ours."""
 
@@ -51,6 +57,22 @@ ONE_ARGUMENT: dict[str, Callable[[object], object]] = {
     "analyze light": lambda odd: toonkit.analyze(PICTURE, [odd]),
     "analyze method": lambda odd: toonkit.analyze(PICTURE, LIGHT, method=odd),
     "analyze materials": lambda odd: toonkit.analyze(PICTURE, LIGHT, materials=[odd]),
+    "analyze ink": lambda odd: toonkit.analyze(PICTURE, LIGHT, ink=[odd]),
+    "analyze_frames": toonkit.analyze_frames,
+    "analyze_frames frame": lambda odd: toonkit.analyze_frames([odd], LIGHT),
+    "FrameAnalysis": lambda odd: toonkit.FrameAnalysis(odd, ()),
+    "FrameAnalysis places": lambda odd: toonkit.FrameAnalysis(ANALYSIS, (odd,)),
+    "load_layers": toonkit.load_layers,
+    "read_frames": toonkit.read_frames,
+    "read_frames grid": lambda odd: toonkit.read_frames(SAMPLE, grid=[odd, 0]),
+    "read_frames islands": lambda odd: toonkit.read_frames(SAMPLE, islands=odd),
+    "textured_mesh": textured_mesh,
+    "textured_mesh back": lambda odd: textured_mesh(ANALYSIS, back=odd),
+    "textured_mesh size": lambda odd: textured_mesh(ANALYSIS, size=[odd]),
+    "textured_mesh vertices": lambda odd: textured_mesh(ANALYSIS, vertices=[odd]),
+    "level_rim": level_rim,
+    "write_frames": lambda odd: write_frames([], odd, "sheet.png"),
+    "read_frame_folder": read_frame_folder,
     "analyze previous": lambda odd: toonkit.analyze(PICTURE, LIGHT, previous=[odd]),
     "analyze progress": lambda odd: toonkit.analyze(PICTURE, LIGHT, progress=[odd]),
     "angular_error": lambda odd: toonkit.angular_error(NORMALS, odd),

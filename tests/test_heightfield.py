@@ -1,8 +1,11 @@
 import numpy as np
 import pytest
+from scipy import ndimage
 
 from tests.analytic import SOFT, ellipse, painted
-from toonkit import NormalField, ToonkitError, height_map, height_mesh
+from toonkit import HeightField, NormalField, ToonkitError, height_map, height_mesh
+from toonkit.heightfield import level_rim
+from toonkit.numerics.report import NOT_REFINED
 
 
 @pytest.mark.parametrize("radius", [24, 64])
@@ -60,3 +63,14 @@ def test_colors_of_another_size_are_refused():
     ball = ellipse(16, 16)
     with pytest.raises(ToonkitError, match="size of the height field"):
         height_mesh(height_map(ball.normals), color=painted(ellipse(12, 12).normals, SOFT))
+
+
+def test_a_level_rim_keeps_what_was_level_and_levels_a_slope():
+    row, column = np.indices((40, 60))
+    mask = ((row - 20) / 18) ** 2 + ((column - 30) / 28) ** 2 < 1
+    dome = 10 * (1 - ((row - 20) / 18) ** 2 - ((column - 30) / 28) ** 2)
+    slope = 0.3 * column + 0.1 * row
+    found = level_rim(HeightField(np.where(mask, dome + slope, np.nan), mask, NOT_REFINED)).height
+    rim = mask & ~ndimage.binary_erosion(mask)
+    assert np.nanmax(found[rim]) < 0.01
+    assert np.abs(found - dome)[mask].max() < 1.5  # the dome is not quite 0 at the rim's pixels

@@ -252,3 +252,19 @@ def test_a_tone_on_less_than_a_tenth_of_a_material_is_a_shine_and_not_its_base_c
     picture = ToonImage(np.where(shape.mask[..., None], tones[band], np.nan), shape.mask)
     base = analyze(picture, LIGHT).base_color
     assert np.median(base.color[shape.mask], axis=0) == pytest.approx(tones[lit], abs=0.01)
+
+
+def test_islands_do_not_see_each_other():
+    canvas = Canvas()
+    canvas.ball(Ball(22, 48, 20, GREEN), 0)
+    lower = canvas.disc(22, 48, 20) & (canvas.rows > 24)
+    canvas.fill(lower, FLAT, 1)  # down to the rim, which is nearer to the other ball than to the paint above
+    canvas.ball(Ball(66, 48, 22, GREEN), 0)
+    drawn = canvas.drawn()
+    labels, first = np.where(drawn.mask, drawn.label, -1), np.s_[:43]
+    whole = prepare(ToonImage(drawn.color, drawn.mask), materials=labels)
+    alone = prepare(ToonImage(drawn.color[first], drawn.mask[first]), materials=labels[first])
+    assert len(whole.islands) == 2
+    tone = np.zeros(drawn.mask.shape)
+    tone[drawn.mask] = whole.gray.tone
+    assert np.allclose(tone[first][alone.mask], alone.gray.tone, atol=0.01)

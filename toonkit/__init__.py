@@ -22,6 +22,7 @@ from toonkit.estimation.light_fit import LightEstimate, estimate_light
 from toonkit.estimation.preparation import find_materials
 from toonkit.estimation.refinement import Refinement, refine
 from toonkit.export.archive import load_analysis
+from toonkit.frames.analysis import FrameAnalysis, analyze_frames
 from toonkit.heightfield import HeightField, height_map, height_mesh
 from toonkit.methods import METHODS, analyze
 from toonkit.metrics import (
@@ -33,7 +34,9 @@ from toonkit.metrics import (
     relight_response,
 )
 from toonkit.model.color_map import ColorMap, IlluminationInterval
+from toonkit.model.frame_files import Frames, read_frames
 from toonkit.model.image import ToonImage
+from toonkit.model.layer_loading import LayeredDrawing, load_layers
 from toonkit.model.light import light_angles, light_direction
 from toonkit.model.loading import load_image
 from toonkit.model.materials import Materials
@@ -49,8 +52,11 @@ __all__ = [
     "METHODS",
     "ColorMap",
     "ErrorSummary",
+    "FrameAnalysis",
+    "Frames",
     "HeightField",
     "IlluminationInterval",
+    "LayeredDrawing",
     "LightEstimate",
     "Materials",
     "NormalField",
@@ -62,6 +68,7 @@ __all__ = [
     "ToonkitError",
     "ToonkitWarning",
     "analyze",
+    "analyze_frames",
     "angular_error",
     "color_difference",
     "color_rmse",
@@ -80,6 +87,8 @@ __all__ = [
     "light_direction",
     "load_analysis",
     "load_image",
+    "load_layers",
+    "read_frames",
     "read_normal_map",
     "refine",
     "relight",

@@ -255,6 +255,18 @@ def as_labels(argument: str, value: ArrayLike, mask: BoolArray) -> NDArray[np.in
     return labels
 
 
+def as_lines(argument: str, value: ArrayLike, mask: BoolArray) -> BoolArray:
+    """Return a (H, W) bool array that is True where an object's line art is, which leaves some of the object free."""
+    array = any_array(argument, value)
+    if array.ndim != 2 or array.dtype.kind not in "biuf" or not np.isin(array, (0, 1, 255)).all():
+        raise refuse(argument, "must be an (H, W) array, True where line art is", describe_value(value))
+    same_shape(argument, array.shape, mask.shape, "the picture")
+    lines = array.astype(np.bool_) & mask
+    if (lines == mask).all():
+        raise refuse(argument, "must leave paint somewhere on the object", "line art everywhere")
+    return lines
+
+
 def as_light(argument: str, value: ArrayLike, *, behind: bool = False) -> FloatArray:
     """Return a unit (3,) direction from the surface to a light, on the viewer's side of the image plane unless `behind`."""
     try:

@@ -23,7 +23,7 @@ from toonkit.model.description import describe_object
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.numerics.masked_grid import DOWN, LEFT, OUTSIDE, RIGHT, UP, MaskedGrid
-from toonkit.numerics.membrane import Membrane, solve_membrane
+from toonkit.numerics.membrane import Membrane, solve_membrane, uniform_links
 from toonkit.numerics.report import SolverReport
 
 if TYPE_CHECKING:
@@ -34,6 +34,9 @@ STEEPEST = 0.15
 
 BREAK_ANGLE = 50.0
 """Degrees between neighboring normals at which a link is half as stiff: beyond it, the two lie on different parts."""
+
+AT_RIM = 1e4
+"""Stiffness that ties the rim to given heights: no other pixel bends it by anything that could be seen."""
 
 TIE = 1e-9
 """Stiffness that ties every pixel to height 0, so that each component has one solution; far too weak to bend it."""
@@ -121,6 +124,34 @@ def height_map(normals: NormalField) -> HeightField:
     right_side = -np.sum(links * flow, axis=1)
     height, report = solve_membrane(membrane, right_side, tolerance=1e-6)
     return HeightField(grid.scatter(_from_zero(grid, height)), normals.mask, report)
+
+
+def level_rim(field: HeightField) -> HeightField:
+    """
+    Bend a height so that it is 0 all along the rim, as that of a body which continues behind the picture.
+
+    Parameters
+    ----------
+    field : HeightField
+        The height.
+
+    Returns
+    -------
+    HeightField
+        The height minus the smoothest surface (its Laplacian is 0) through its values at the rim; 0 where that is higher.
+
+    Raises
+    ------
+    ToonkitError
+        If the field is no `HeightField`.
+    """
+    of_type("field", field, HeightField)
+    grid = MaskedGrid(field.mask)
+    height, ties = grid.gather(field.height), np.where(grid.rim, AT_RIM, 0.0)
+    smoothest, report = solve_membrane(
+        Membrane(grid, uniform_links(grid), ties), ties * height, tolerance=1e-6
+    )
+    return HeightField(grid.scatter(np.maximum(height - smoothest, 0.0)), field.mask, report)
 
 
 def height_mesh(field: HeightField, *, color: ToonImage | None = None) -> trimesh.Trimesh:

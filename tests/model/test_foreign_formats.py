@@ -29,17 +29,27 @@ def media(major, *others):
 
 
 KRITA = archive(**{"mimetype": "application/x-krita", "maindoc.xml": "<DOC/>"})
+LAYERED = [
+    pytest.param(b"8BPS\0\1" + b"\0" * 40, r"Photoshop document \(PSD or PSB\): export .* PNG", id="PSD"),
+    pytest.param(
+        archive(mimetype="image/openraster"), r"OpenRaster document \(ORA\): export .* PNG", id="ORA"
+    ),
+    pytest.param(KRITA, r"Krita document \(KRA\): export .* PNG", id="KRA"),
+    pytest.param(KRITA[: len(KRITA) // 2], r"Krita document \(KRA\)", id="half a KRA"),
+]
+
+
+@pytest.mark.parametrize(("content", "named"), LAYERED)
+def test_a_mask_is_no_layered_document(tmp_path, content, named):
+    path = tmp_path / "mask"
+    path.write_bytes(content)
+    with pytest.raises(ToonkitError, match=f"mask must be a PNG, .* picture; got .*mask, (an? )?.*{named}"):
+        load_image(np.ones((9, 9, 3)), mask=path)
 
 
 @pytest.mark.parametrize(
     ("content", "named"),
     [
-        pytest.param(b"8BPS\0\1" + b"\0" * 40, r"Photoshop document \(PSD or PSB\): export .* PNG", id="PSD"),
-        pytest.param(
-            archive(mimetype="image/openraster"), r"OpenRaster document \(ORA\): export .* PNG", id="ORA"
-        ),
-        pytest.param(KRITA, r"Krita document \(KRA\): export .* PNG", id="KRA"),
-        pytest.param(KRITA[: len(KRITA) // 2], r"Krita document \(KRA\)", id="half a KRA"),
         pytest.param(media(b"avif", b"mif1", b"miaf"), "an AVIF picture: export it as PNG", id="AVIF"),
         pytest.param(media(b"mif1", b"avif"), "an AVIF picture", id="AVIF by its compatible brand"),
         pytest.param(media(b"heic", b"mif1"), "a HEIC picture: export it as PNG", id="HEIC"),

@@ -426,7 +426,7 @@ def test_a_missing_file_is_refused(tmp_path):
 
 
 def test_a_folder_is_refused(tmp_path):
-    with pytest.raises(ToonkitError, match="must be a picture file; got the folder"):
+    with pytest.raises(ToonkitError, match=r"must be a folder of layers: .* got the folder"):
         load_image(tmp_path)
 
 

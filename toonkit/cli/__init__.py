@@ -1,4 +1,4 @@
-"""The command line: `toonkit analyze`, `relight`, `batch`, `samples`, `dashboard` and `study`.
+"""The command line: `toonkit analyze`, `relight`, `frames`, `mesh`, `batch`, `samples`, `dashboard` and `study`.
 
 Everything heavy is imported inside the commands, so that `toonkit --version` and `--help` answer at once.
 """
@@ -16,15 +16,17 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from toonkit._validation import ToonkitError, ToonkitWarning, expand_home, refuse
 from toonkit.cli.batch import add_batch_command
 from toonkit.cli.dashboard import add_dashboard_command
-from toonkit.cli.drawing_work import DrawingWork, add_work_options, analyze_drawing
+from toonkit.cli.drawing_work import DrawingWork, add_work_options, analyze_drawing, layer_options
+from toonkit.cli.frames import add_frames_command, relight_frames
 from toonkit.cli.lights import parse_color, parse_light
+from toonkit.cli.mesh import add_mesh_command
 from toonkit.cli.progress import StepBar, show_warning
 from toonkit.cli.streams import complain, discard_output, prepare_streams
 from toonkit.cli.study import add_study_commands
 from toonkit.samples import PREFIX, drawing_path, sample_names, sample_path
 
 if TYPE_CHECKING:
-    from toonkit.analysis import ToonAnalysis
+    from toonkit.cli.drawing_work import AnalyzedDrawing
 
 UNSURE = 0.5
 """Confidence in an estimated light below which the summary says that it is a guess."""
@@ -109,7 +111,10 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND", title="commands")
 
     analyze = commands.add_parser("analyze", help="take a drawing apart into light, shape and colors")
-    analyze.add_argument("drawing", help=f"picture file, or {PREFIX}NAME for a drawing that toonkit ships")
+    analyze.add_argument(
+        "drawing",
+        help=f"picture, .psd, .ora or .kra file, folder of layers, or {PREFIX}NAME for a drawing that toonkit ships",
+    )
     analyze.add_argument(
         "-o", "--out", required=True, metavar="FOLDER", help="where to write; created if need be"
     )
@@ -192,6 +197,8 @@ def _parser() -> argparse.ArgumentParser:
     relight.add_argument("--quiet", action="store_true", help="no progress bar and no summary")
     relight.set_defaults(run=_relight)
 
+    add_frames_command(commands)
+    add_mesh_command(commands)
     add_batch_command(commands)
     samples = commands.add_parser("samples", help="list the drawings that toonkit ships")
     samples.set_defaults(run=_samples)
@@ -221,23 +228,25 @@ def _analyze(arguments: argparse.Namespace) -> int:
         arguments.bleed,
         mask=None if arguments.mask is None else Path(arguments.mask),
         materials=None if arguments.materials is None else Path(arguments.materials),
+        **layer_options(arguments),
     )
     with StepBar(visible=not arguments.quiet) as progress:
-        analysis, written = analyze_drawing(work, arguments.out, progress=progress, seconds=progress.seconds)
+        analyzed = analyze_drawing(work, arguments.out, progress=progress, seconds=progress.seconds)
         seconds = sum(progress.seconds().values())
     if not arguments.quiet:
-        _summarize(analysis, arguments.drawing, seconds)
-        print(f"written to {next(iter(written)).parent}:")
-        width = max(len(path.name) for path in written)
-        for path, what in written.items():
+        _summarize(analyzed, arguments.drawing, seconds)
+        print(f"written to {next(iter(analyzed.files)).parent}:")
+        width = max(len(path.name) for path in analyzed.files)
+        for path, what in analyzed.files.items():
             print(f"  {path.name:<{width}}  {what}")
     return 0
 
 
-def _summarize(analysis: ToonAnalysis, drawing: str, seconds: float) -> None:
+def _summarize(analyzed: AnalyzedDrawing, drawing: str, seconds: float) -> None:
     from toonkit.export.report import ink_share  # noqa: PLC0415
     from toonkit.relighting import Paint  # noqa: PLC0415
 
+    analysis = analyzed.analysis
     estimate, materials = analysis.light_estimate, analysis.materials
     print(f"{drawing}: {int(analysis.image.mask.sum()):,} pixels analyzed in {seconds:.1f} s")
     print(f"light: {analysis.describe_light()}")
@@ -252,6 +261,10 @@ def _summarize(analysis: ToonAnalysis, drawing: str, seconds: float) -> None:
         print(f"materials: {materials.count}, {flat or 'none'} of them flat")
     if (share := ink_share(analysis.drawing)) > 0:
         print(f"line art: {100 * share:.1f} % of the drawing, which stays as drawn")
+    if analyzed.drawing.ink_layers:
+        print(f"line art from the layers: {', '.join(analyzed.drawing.ink_layers)}")
+    if analyzed.drawing.flats_layers:
+        print(f"materials from the layers: {', '.join(analyzed.drawing.flats_layers)}")
     if Paint.of(analysis, None, keep_detail=True).palette is not None:
         print("pixel art: relight keeps to its colors, unless you add --no-palette")
 
@@ -278,7 +291,7 @@ def _relight(arguments: argparse.Namespace) -> int:
 
     from toonkit.export.animation import write_orbit  # noqa: PLC0415
     from toonkit.export.archive import load_analysis  # noqa: PLC0415
-    from toonkit.export.folder import ARCHIVE_NAME  # noqa: PLC0415
+    from toonkit.export.folder import ARCHIVE_NAME, LAYOUT_NAME  # noqa: PLC0415
     from toonkit.export.layer_files import write_layers  # noqa: PLC0415
     from toonkit.export.layers import split_layers  # noqa: PLC0415
     from toonkit.export.light_profiles import write_light_profiles  # noqa: PLC0415
@@ -286,7 +299,6 @@ def _relight(arguments: argparse.Namespace) -> int:
     from toonkit.relighting import relight  # noqa: PLC0415
 
     source = expand_home(arguments.analysis)
-    analysis = load_analysis(source / ARCHIVE_NAME if source.is_dir() else source)
     options: dict[str, Any] = {
         "keep_detail": not arguments.model_only,
         "flat_shading": arguments.flat_shading,
@@ -294,6 +306,12 @@ def _relight(arguments: argparse.Namespace) -> int:
         "light_color": parse_color(arguments.light_color),
         "ambient": arguments.ambient,
     }
+    if (source / LAYOUT_NAME).is_file():
+        relight_frames(source, arguments, options)
+        if not arguments.quiet:
+            print(f"written to {arguments.out}")
+        return 0
+    analysis = load_analysis(source / ARCHIVE_NAME if source.is_dir() else source)
     if light is not None and arguments.out is not None:
         write_picture(relight(analysis, light, **options), arguments.out)
     if light is not None and arguments.layers is not None:

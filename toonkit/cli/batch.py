@@ -13,17 +13,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from toonkit._validation import ToonkitError, expand_home, refuse
-from toonkit.cli.drawing_work import ESTIMATED, DrawingWork, add_work_options
+from toonkit.cli.drawing_work import ESTIMATED, DrawingWork, add_work_options, layer_options
 from toonkit.cli.progress import DrawingBar, show_warning
 from toonkit.cli.streams import complain
 
 if TYPE_CHECKING:
     from toonkit.cli.batch_work import BatchItem
 
+LAYERED_SUFFIXES = (".psd", ".psb", ".ora", ".kra")
+
 SUFFIXES = (
-    ".png", ".apng", ".webp", ".jpg", ".jpeg", ".jpe", ".jfif", ".tif", ".tiff", ".gif", ".bmp"
+    ".png", ".apng", ".webp", ".jpg", ".jpeg", ".jpe", ".jfif", ".tif", ".tiff", ".gif", ".bmp", *LAYERED_SUFFIXES
 )  # fmt: skip
-"""Ends of the names that are taken for drawings: those of the formats that `toonkit.model.decoding` reads."""
+"""Ends of the names that are taken for drawings: those of the formats that `toonkit.load_layers` reads."""
 
 _EXIT_FAILED = 1
 
@@ -74,7 +76,8 @@ def _batch(arguments: argparse.Namespace) -> int:
         raise refuse("--workers", "must be a whole number >= 0", arguments.workers)
     files = _drawings(arguments.folder)
     options = arguments.light, arguments.method, arguments.engine, arguments.bleed
-    works = [DrawingWork(str(file), file, *options) for file in files]
+    layers = layer_options(arguments)
+    works = [DrawingWork(str(file), file, *options, **layers) for file in files]
     start = time.perf_counter()
     out = make_folder(arguments.out)
     with sole_use(out):

@@ -186,7 +186,7 @@ def _files_of(work: DrawingWork, content: bytes) -> dict[str, bytes] | str:
         file, folder = Path(name) / work.file.name, Path(name) / "analysis"
         file.write_bytes(content)
         try:
-            _, written = analyze_drawing(replace(work, file=file), folder)
+            written = analyze_drawing(replace(work, file=file), folder).files
         except Exception as error:
             return _told(error).replace(str(file), str(work.file))
         return {path.name: path.read_bytes() for path in written}

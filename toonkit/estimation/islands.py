@@ -19,7 +19,7 @@ LEAST_PIXELS = 64
 """Pixels of an island that is analyzed by itself. Smaller ones, such as the dots of a dithered drawing, form one object."""
 
 MOST = 100
-"""Islands that are analyzed by themselves, at most: the largest ones."""
+"""Islands of one view of an object that are analyzed by themselves, at most: the largest ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ def join(islands: tuple[Island, ...], fields: Sequence[FloatArray]) -> FloatArra
     return whole
 
 
-def find_islands(grid: MaskedGrid, coverage: FloatArray) -> tuple[Island, ...]:
+def find_islands(grid: MaskedGrid, coverage: FloatArray, *, most: int = MOST) -> tuple[Island, ...]:
     """
     Split an object into islands.
 
@@ -83,6 +83,8 @@ def find_islands(grid: MaskedGrid, coverage: FloatArray) -> tuple[Island, ...]:
         The object on its bounding box.
     coverage : ndarray, shape (H + 2, W + 2)
         Alpha of the box and of the pixels around it.
+    most : int, optional
+        Islands that are analyzed by themselves, at most.
 
     Returns
     -------
@@ -96,8 +98,8 @@ def find_islands(grid: MaskedGrid, coverage: FloatArray) -> tuple[Island, ...]:
     areas = np.bincount(labels.ravel(), minlength=count + 1)
     areas[0] = 0
     alone = np.flatnonzero(areas >= LEAST_PIXELS)
-    if len(alone) > MOST:
-        alone = np.sort(alone[np.argsort(-areas[alone], kind="stable")[:MOST]])
+    if len(alone) > most:
+        alone = np.sort(alone[np.argsort(-areas[alone], kind="stable")[:most]])
     boxes = find_objects(labels)
     parts = [(boxes[number - 1], labels[boxes[number - 1]] == number) for number in alone]
     rest = grid.mask & ~np.isin(labels, alone)

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from toonkit._validation import BoolArray, FloatArray, as_labels, of_type, refuse
+from toonkit._validation import BoolArray, FloatArray, as_labels, as_lines, of_type, refuse
 from toonkit.estimation.inflation import inflate_islands
-from toonkit.estimation.islands import Island, find_islands, with_surroundings
+from toonkit.estimation.islands import MOST, Island, find_islands, with_surroundings
 from toonkit.estimation.overview import ReducedPaint, reduce_paint
 from toonkit.estimation.painted_tones import PaintedTones
 from toonkit.estimation.shading_ratio import GrayPaint, PaintedMaterial, gray_paint
 from toonkit.illustration.frame import Frame
-from toonkit.illustration.ink import Ink, find_ink
+from toonkit.illustration.ink import Ink, find_ink, known_ink
 from toonkit.illustration.materials import FoundMaterials, label_materials, shows_one_ramp
 from toonkit.illustration.mixed_pixels import MixedPixels, mixtures
 from toonkit.illustration.noise import without_noise
@@ -55,14 +55,30 @@ class PreparedDrawing:
         The drawing.
     materials : array_like of int, shape (H, W), optional
         Its materials, if they are known: see `prepare`.
+    ink : array_like of bool, shape (H, W), optional
+        Its lines, if they are known: see `prepare`.
+    views : int, optional
+        How often it shows the object side by side. Lines are as wide as in one view, and all views have the same materials.
+
+    Attributes
+    ----------
+    given_ink : ndarray of bool, shape (H, W), or None
+        The lines that were given, False outside the mask.
 
     Raises
     ------
     ToonkitError
-        If the object has more than `MOST_PIXELS` pixels, or the materials are none.
+        If the object has more than `MOST_PIXELS` pixels, or the materials or the ink are none.
     """
 
-    def __init__(self, image: ToonImage, materials: ArrayLike | None = None) -> None:
+    def __init__(
+        self,
+        image: ToonImage,
+        materials: ArrayLike | None = None,
+        *,
+        ink: ArrayLike | None = None,
+        views: int = 1,
+    ) -> None:
         pixels = int(np.count_nonzero(image.mask))
         if pixels > MOST_PIXELS:
             raise refuse(
@@ -71,15 +87,22 @@ class PreparedDrawing:
                 f"{pixels:,}",
             )
         self.image = image
+        self.views = views
         self.box = bounding_box(image.mask)
         self._given_labels = None if materials is None else as_labels("materials", materials, image.mask)
+        self.given_ink = None if ink is None else as_lines("ink", ink, image.mask)
 
     def __repr__(self) -> str:
         return f"PreparedDrawing({describe_object(self.mask)})"
 
+    def with_ink(self, ink: ArrayLike, materials: ArrayLike | None = None) -> PreparedDrawing:
+        """Return the drawing with other ink, and other materials if they are given, as `prepare` takes them."""
+        labels = self._given_labels if materials is None else materials
+        return PreparedDrawing(self.image, labels, ink=ink, views=self.views)
+
     def with_materials(self, materials: ArrayLike) -> PreparedDrawing:
         """Return the drawing with other materials, as `prepare` takes them; both share all that is independent of these."""
-        other = PreparedDrawing(self.image, materials)
+        other = PreparedDrawing(self.image, materials, ink=self.given_ink, views=self.views)
         for name in WHATEVER_MATERIALS:
             if name in self.__dict__:
                 other.__dict__[name] = self.__dict__[name]
@@ -113,11 +136,18 @@ class PreparedDrawing:
     @cached_property
     def islands(self) -> tuple[Island, ...]:
         """The parts of the object that do not touch."""
-        return find_islands(self.grid, self._coverage)
+        return find_islands(self.grid, self._coverage, most=MOST * self.views)
 
     @cached_property
     def ink(self) -> Ink:
-        """The lines over the paint, on the object's frame. A drawing that one shaded material explains has no ink."""
+        """
+        The lines over the paint, on the object's frame: those given, or found.
+
+        A drawing that one shaded material explains has no ink, unless some is given.
+        """
+        if self.given_ink is not None:
+            lines = self.frame.cut(self.given_ink[self.box])
+            return known_ink(self.frame, lines, hard_edges=self.is_pixel_art)
         ink = find_ink(self.frame, hard_edges=self.is_pixel_art)
         if ink.coverage.any() and not ink.outlined and shows_one_ramp(self.frame, self.framed_normals):
             return replace(ink, coverage=np.zeros_like(ink.coverage), only_lines=False)
@@ -156,7 +186,7 @@ class PreparedDrawing:
     @cached_property
     def is_pixel_art(self) -> bool:
         """Whether the drawing is pixel art."""
-        return is_pixel_art(self.image)
+        return is_pixel_art(self.image, views=self.views)
 
     def places(self, pixels: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Row and column, in the picture, of some of the object's pixels."""
@@ -202,7 +232,7 @@ class PreparedDrawing:
     @cached_property
     def gray(self) -> GrayPaint:
         """The shading that the paint shows, whatever its material."""
-        return gray_paint(self.painted_materials, self.grid, self.inked)
+        return gray_paint(self.painted_materials, self.islands, self.inked)
 
     @cached_property
     def reduced_paint(self) -> tuple[ReducedPaint, ...]:
@@ -238,7 +268,7 @@ class PreparedDrawing:
     @cached_property
     def frame(self) -> Frame:
         """The object, cut out, without a compressor's noise."""
-        return without_noise(Frame.around(self.image.color[self.box], self.grid.mask))
+        return without_noise(Frame.around(self.image.color[self.box], self.grid.mask, views=self.views))
 
     def _on_picture(self, framed: NDArray[Any], fill: float) -> NDArray[Any]:
         """Put values (h, w, ...) of the frame into the picture, (H, W, ...), filled elsewhere."""
@@ -266,7 +296,10 @@ class PreparedDrawing:
 
 
 def prepare(
-    drawing: ToonImage | PreparedDrawing, *, materials: ArrayLike | Materials | None = None
+    drawing: ToonImage | PreparedDrawing,
+    *,
+    materials: ArrayLike | Materials | None = None,
+    ink: ArrayLike | None = None,
 ) -> PreparedDrawing:
     """
     Prepare a drawing for analysis.
@@ -274,10 +307,13 @@ def prepare(
     Parameters
     ----------
     drawing : ToonImage or PreparedDrawing
-        The drawing. A prepared drawing is returned unchanged, unless materials are given.
+        The drawing. A prepared drawing is returned unchanged, unless materials or ink are given.
     materials : array_like of int, shape (H, W), or Materials, optional
         Number of the material of each pixel, 0 and up, and -1 where that is left to toonkit; ignored outside the mask.
         Found if not given.
+    ink : array_like of bool, shape (H, W), optional
+        True where line art covers most of a pixel, False everywhere if there is none; ignored outside the mask. Found if not
+        given.
 
     Returns
     -------
@@ -287,15 +323,17 @@ def prepare(
     Raises
     ------
     ToonkitError
-        If the drawing is of another type, its object has more than `MOST_PIXELS` pixels, or the materials are not such
-        numbers.
+        If the drawing is of another type, its object has more than `MOST_PIXELS` pixels, the materials are not such
+        numbers, or the ink is not such a mask or covers all of the object.
     """
     if isinstance(materials, Materials):
         materials = materials.labels
     if isinstance(drawing, PreparedDrawing):
+        if ink is not None:
+            return drawing.with_ink(ink, materials)
         return drawing if materials is None else drawing.with_materials(materials)
     of_type("image", drawing, ToonImage)
-    return PreparedDrawing(drawing, materials)
+    return PreparedDrawing(drawing, materials, ink=ink)
 
 
 def find_materials(image: ToonImage | PreparedDrawing) -> Materials:

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from toonkit._validation import BoolArray, FloatArray
+from toonkit.estimation.islands import Island
 from toonkit.estimation.painted_tones import PaintedTones
 from toonkit.model.luminance import REC709, linear_to_srgb
 from toonkit.numerics.masked_grid import IndexArray, MaskedGrid
@@ -50,7 +51,7 @@ class GrayPaint:
         Its tone, plain.
     hidden : ndarray, shape (P,)
         One where nothing shows, under ink and on flat materials, else zero; light and tone are there those of the nearest
-        pixel that shows some.
+        pixel of the same island that shows some.
     """
 
     light: FloatArray
@@ -58,7 +59,9 @@ class GrayPaint:
     hidden: FloatArray
 
 
-def gray_paint(materials: Sequence[PaintedMaterial], grid: MaskedGrid, inked: BoolArray) -> GrayPaint:
+def gray_paint(
+    materials: Sequence[PaintedMaterial], islands: Sequence[Island], inked: BoolArray
+) -> GrayPaint:
     """
     Divide the colors of each material by its brightest tone.
 
@@ -66,8 +69,8 @@ def gray_paint(materials: Sequence[PaintedMaterial], grid: MaskedGrid, inked: Bo
     ----------
     materials : sequence of PaintedMaterial
         All of a drawing.
-    grid : MaskedGrid
-        The object.
+    islands : sequence of Island
+        All parts of the object.
     inked : ndarray of bool, shape (P,)
         Where ink covers the paint.
 
@@ -79,17 +82,24 @@ def gray_paint(materials: Sequence[PaintedMaterial], grid: MaskedGrid, inked: Bo
     if len(materials) == 1 and materials[0].tones is not None:
         tones = materials[0].tones
         return GrayPaint(tones.light, tones.plain, inked.astype(np.float64))
-    gray, told = np.full(grid.size, LIT), np.zeros(grid.size, np.bool_)
+    gray, told = np.full(len(inked), LIT), np.zeros(len(inked), np.bool_)
     for material in materials:
         if material.tones is None:
             continue
         shade = material.tones.light @ REC709
         gray[material.pixels] = LIT * np.minimum(shade / max(float(np.quantile(shade, BRIGHTEST)), 1e-6), 1.0)
         told[material.pixels] = True
-    if told.any() and not told.all():
-        picture = np.zeros(grid.mask.shape, np.bool_)
-        picture[grid.mask] = told
-        rows, columns = distance_transform_edt(~picture, return_distances=False, return_indices=True)
-        gray = gray[grid.index[rows, columns][grid.mask]]
+    for island in islands:
+        shown = told[island.pixels]
+        if shown.any() and not shown.all():
+            gray[island.pixels] = _nearest(gray[island.pixels], shown, island.grid)
     light = np.repeat(gray[:, None], 3, axis=1)
     return GrayPaint(light, np.asarray(linear_to_srgb(gray)), np.maximum(inked, ~told).astype(np.float64))
+
+
+def _nearest(values: FloatArray, known: BoolArray, grid: MaskedGrid) -> FloatArray:
+    """Give each pixel of an island, both of shape (p,), the value of the nearest one that is known."""
+    picture = np.zeros(grid.mask.shape, np.bool_)
+    picture[grid.mask] = known
+    rows, columns = distance_transform_edt(~picture, return_distances=False, return_indices=True)
+    return np.asarray(values[grid.index[rows, columns][grid.mask]])

@@ -1,22 +1,27 @@
-"""A light that circles the object, as an animated picture."""
+"""Animated pictures: frames as they are, and a light that circles the object."""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Unpack
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
-from toonkit._validation import check_callable, is_count, is_number, of_type, refuse
+from toonkit._validation import check_callable, is_count, is_number, of_type, refuse, warn
 from toonkit.analysis import ToonAnalysis
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
+from toonkit.model.frame_files import Timing
 from toonkit.model.light import light_angles, light_direction
 from toonkit.relighting import RelightOptions, relight
 
 FRAME_MILLISECONDS = 60
 """How long a frame is shown: at 36 frames, one turn takes about two seconds."""
+
+ANIMATED = (".gif", ".webp", ".apng", ".png")
+"""Ends of the names of animations."""
 
 MOST_FRAMES = 720
 """Half a degree a frame; more would fill the memory and show nothing new."""
@@ -66,7 +71,7 @@ def write_orbit(
     -----
     The first frame has the azimuth of the analyzed light, which then turns counter-clockwise.
     """
-    suffix = suffix_of(path, (".gif", ".webp", ".apng", ".png"))
+    suffix = suffix_of(path, ANIMATED)
     of_type("analysis", analysis, ToonAnalysis)
     check_callable("progress", progress)
     if not is_count(frames, 2, MOST_FRAMES):
@@ -89,29 +94,81 @@ def write_orbit(
             if progress is not None:
                 progress((index + 1) / frames)
 
+    timing = Timing((FRAME_MILLISECONDS,) * frames)
     with atomic_write(path) as file:  # first of all: a place that cannot be written to costs no painting
         if suffix == ".gif":
             samples = range(0, frames, max(1, frames // _PALETTE_SAMPLES))
-            file.write(_encode_gif(pictures(), _common_palette([picture(index) for index in samples])))
+            palette = _common_palette([picture(index) for index in samples])
+            file.write(_encode_gif(pictures(), palette, timing))
         else:
-            file.write(_encode_webp(pictures()) if suffix == ".webp" else _encode_apng(pictures()))
+            file.write(_encode(pictures(), suffix, timing))
 
 
-def _encode_webp(pictures: Iterator[Image.Image]) -> bytes:
+def write_animation(frames: Sequence[NDArray[np.uint8]], timing: Timing, path: PathLike) -> None:
+    """
+    Write frames as an animation.
+
+    Parameters
+    ----------
+    frames : sequence of ndarray of uint8, shape (h, w, 4)
+        RGBA with straight alpha, all of one size.
+    timing : Timing
+        How long each is shown.
+    path : path
+        Ends in .gif (256 colors for all frames, pixels opaque or not), .webp, .apng or .png (an APNG); all but GIF are
+        lossless. Frames that are the same as the one before make that one longer.
+
+    Raises
+    ------
+    ToonkitError
+        If the frames are no such arrays, or the file cannot be written.
+
+    Warns
+    -----
+    ToonkitWarning
+        If pixels are less than half opaque and the format is GIF, which drops them.
+    """
+    suffix = suffix_of(path, ANIMATED)
+    of_type("timing", timing, Timing)
+    if (
+        len(frames) == 0
+        or len(frames) != len(timing.milliseconds)
+        or len({frame.shape for frame in frames}) > 1
+    ):
+        shown = f"{len(frames)} for {len(timing.milliseconds)} times"
+        raise refuse("frames", "must be one or more of one size, with a time each", shown)
+    pictures = [Image.fromarray(frame) for frame in frames]
+    with atomic_write(path) as file:
+        if suffix != ".gif":
+            file.write(_encode(iter(pictures), suffix, timing))
+            return
+        faint = sum(int(np.count_nonzero((frame[..., 3] > 0) & (frame[..., 3] < 128))) for frame in frames)
+        if faint:
+            warn(
+                "path", f"GIF drops {faint:,} pixels that are less than half opaque; WebP and APNG keep them"
+            )
+        file.write(_encode_gif(iter(pictures), _common_palette(pictures), timing))
+
+
+def _encode(pictures: Iterator[Image.Image], suffix: str, timing: Timing) -> bytes:
+    return _encode_webp(pictures, timing) if suffix == ".webp" else _encode_apng(pictures, timing)
+
+
+def _encode_webp(pictures: Iterator[Image.Image], timing: Timing) -> bytes:
     encoded = io.BytesIO()
     next(pictures).save(
         encoded,
         "WEBP",
         save_all=True,
         append_images=pictures,
-        duration=FRAME_MILLISECONDS,
-        loop=0,
+        duration=list(timing.milliseconds),
+        loop=timing.loops,
         lossless=True,
     )
     return encoded.getvalue()
 
 
-def _encode_apng(pictures: Iterator[Image.Image]) -> bytes:
+def _encode_apng(pictures: Iterator[Image.Image], timing: Timing) -> bytes:
     encoded = io.BytesIO()
     first, *others = pictures  # Pillow goes through them twice
     first.save(
@@ -119,8 +176,8 @@ def _encode_apng(pictures: Iterator[Image.Image]) -> bytes:
         "PNG",
         save_all=True,
         append_images=others,
-        duration=FRAME_MILLISECONDS,
-        loop=0,
+        duration=list(timing.milliseconds),
+        loop=timing.loops,
         blend=0,  # each frame replaces the one before, alpha included
     )
     return encoded.getvalue()
@@ -142,7 +199,7 @@ def _opaque_colors(image: Image.Image) -> np.ndarray[tuple[int, ...], np.dtype[n
     return colors
 
 
-def _encode_gif(pictures: Iterator[Image.Image], palette: Image.Image) -> bytes:
+def _encode_gif(pictures: Iterator[Image.Image], palette: Image.Image, timing: Timing) -> bytes:
     encoded = io.BytesIO()
     indexed = (_to_palette(picture, palette) for picture in pictures)
     next(indexed).save(
@@ -150,8 +207,8 @@ def _encode_gif(pictures: Iterator[Image.Image], palette: Image.Image) -> bytes:
         "GIF",
         save_all=True,
         append_images=indexed,
-        duration=FRAME_MILLISECONDS,
-        loop=0,
+        duration=list(timing.milliseconds),
+        loop=timing.loops,
         disposal=2,  # back to transparent: the outline does not move, but shadows of partial frames would
         transparency=_GIF_COLORS,
         optimize=False,  # or the palette is reordered and the transparent index with it

@@ -92,6 +92,10 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
         "report_reason": np.array(report.reason),
         "report_converged": np.array(report.converged),
     }
+    if analysis.drawing.views > 1:
+        fields["views"] = np.array(analysis.drawing.views)
+    if analysis.drawing.given_ink is not None:
+        fields["ink"] = analysis.drawing.given_ink[image.mask]
     if not np.array_equal(initial, inflated):  # which follow from mask and alpha
         fields["initial_normals"] = pack_normals(initial)
     with (
@@ -181,7 +185,14 @@ def _assemble(arrays: Arrays, version: int) -> ToonAnalysis:
     initial = None
     if version != FORMAT_VERSION or "initial_normals" in arrays.names:
         initial = _normals(arrays, "initial_normals", mask, version)
-    drawing = _drawing(image, materials)
+    ink = None
+    if "ink" in arrays.names:
+        ink = np.zeros(mask.shape, np.bool_)
+        ink[mask] = arrays.read("ink", "b", pixels)
+    views = int(arrays.read("views", "i")) if "views" in arrays.names else 1
+    if not 1 <= views <= pixels:
+        raise refuse("views", f"must be a number from 1 to {pixels:,}", views)
+    drawing = _drawing(PreparedDrawing(image, ink=ink, views=views), materials)
     return ToonAnalysis(
         image=image,
         method=method,
@@ -235,11 +246,10 @@ def _report(arrays: Arrays) -> SolverReport:
     )
 
 
-def _drawing(image: ToonImage, materials: Materials) -> PreparedDrawing:
+def _drawing(drawing: PreparedDrawing, materials: Materials) -> PreparedDrawing:
     """Prepare a drawing again. Materials that toonkit finds are not given, or it would unmix what is beside ink anew."""
-    drawing = prepare(image)
     if not np.array_equal(drawing.materials.labels, materials.labels):
-        drawing = prepare(image, materials=materials.labels)
+        drawing = prepare(drawing, materials=materials.labels)
     if drawing.materials.count != materials.count:
         raise refuse(
             "material_labels", f"must be those of {materials.count} materials", drawing.materials.count

@@ -25,6 +25,9 @@ from toonkit.numerics.bands import run_each
 ARCHIVE_NAME = "analysis.npz"
 """Name of the file that `load_analysis` reads back."""
 
+LAYOUT_NAME = "frames.json"
+"""Name of the file that makes a folder that of a sheet's or an animation's frames: an analysis of one drawing has none."""
+
 REPORT_NAME = "report.json"
 """Name of the report, which lists the files of its folder."""
 
@@ -146,6 +149,7 @@ def fill_folder(folder: Path, writers: Mapping[str, Callable[[Path], None]]) -> 
     for name in _ONLY_SOME_HAVE:
         if name in _files_of(earlier) and name not in writers:
             _remove(folder / name)
+    _remove(folder / LAYOUT_NAME)
     writers[REPORT_NAME](folder / REPORT_NAME)
 
 

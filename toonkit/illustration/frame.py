@@ -31,22 +31,25 @@ class Frame:
         sRGB; zero outside the mask.
     lab : ndarray of float32, shape (h, w, 3)
         The same in OKLab.
+    views : int
+        How often it shows the object side by side, as the frames of an animation do.
     """
 
     place: Box
     mask: BoolArray
     color: FloatArray
     lab: Lab
+    views: int = 1
 
     @classmethod
-    def around(cls, color: FloatArray, mask: BoolArray) -> Frame:
+    def around(cls, color: FloatArray, mask: BoolArray, *, views: int = 1) -> Frame:
         """Cut out the object of a picture (H, W, 3); colors outside the mask (H, W) are ignored."""
         place = bounding_box(mask)
         inside = np.pad(mask[place], MARGIN)
         cut = np.zeros((*inside.shape, 3))
         within = cut[MARGIN:-MARGIN, MARGIN:-MARGIN]
         within[mask[place]] = color[place][mask[place]]
-        return cls(place, inside, cut, tabulated_oklab(cut))
+        return cls(place, inside, cut, tabulated_oklab(cut), views)
 
     def cut(self, values: NDArray[Any]) -> NDArray[Any]:
         """Cut values (H, W, ...) of the picture to this frame, zero in the margin."""
@@ -63,5 +66,5 @@ class Frame:
 
     @property
     def size(self) -> float:
-        """Square root of the object's area, in pixels."""
-        return float(np.sqrt(np.count_nonzero(self.mask)))
+        """Square root of the object's area, in pixels: of one view of it."""
+        return float(np.sqrt(np.count_nonzero(self.mask) / self.views))

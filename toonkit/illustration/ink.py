@@ -134,6 +134,37 @@ def find_ink(frame: Frame, *, hard_edges: bool = False) -> Ink:
     lines = _lines(frame, strips, around)
     if not lines.any():
         return none
+    return _ink_along(frame, lines, strips, around, hard_edges=hard_edges)
+
+
+def known_ink(frame: Frame, lines: BoolArray, *, hard_edges: bool = False) -> Ink:
+    """
+    Unmix the ink of a drawing whose lines somebody knows.
+
+    Parameters
+    ----------
+    frame : Frame
+        The object.
+    lines : ndarray of bool, shape (h, w)
+        True where ink covers most of a pixel; False everywhere if there is none.
+    hard_edges : bool, optional
+        As for `find_ink`.
+
+    Returns
+    -------
+    Ink
+        At least half of each pixel that is given, and as much of those beside them as their colors say.
+    """
+    if not lines.any():
+        return Ink(np.zeros(frame.mask.shape), frame.color, False, False)
+    strips = _Strips(lines, lines, _window(frame))
+    return _ink_along(frame, lines, strips, _Silhouette.of(frame.mask), hard_edges=hard_edges)
+
+
+def _ink_along(
+    frame: Frame, lines: BoolArray, strips: _Strips, around: _Silhouette, *, hard_edges: bool
+) -> Ink:
+    """Return the ink of a drawing with lines."""
     coverage, color = lines.astype(np.float64), frame.color
     if not hard_edges:
         coverage, color = _coverage(frame, lines, strips)
@@ -146,13 +177,18 @@ def find_ink(frame: Frame, *, hard_edges: bool = False) -> Ink:
 
 def _dark_strips(frame: Frame) -> _Strips:
     """Close dark strips narrower than a square window; what that makes brighter is a strip. Outside counts as bright."""
-    width = max(int(WIDEST * frame.size) | 1, 5 if frame.size > SMALLEST else 3)
+    width = _window(frame)
     lightness = np.where(frame.mask, frame.lab[..., 0], np.float32(2.0))
     padded = np.pad(lightness, width, constant_values=2.0)
     closed = ndimage.grey_closing(padded, (width, width))[width:-width, width:-width]
     pixels = frame.mask & (closed - lightness > DARKER)
     cores = pixels & (lightness - ndimage.minimum_filter(lightness, 3) < DARKER / 2)
     return _Strips(pixels, cores, width)
+
+
+def _window(frame: Frame) -> int:
+    """Width of a window, in pixels, that is wider than the lines of a drawing: an odd number."""
+    return max(int(WIDEST * frame.size) | 1, 5 if frame.size > SMALLEST else 3)
 
 
 def _lines(frame: Frame, strips: _Strips, around: _Silhouette) -> BoolArray:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.illustration.flat_shading import LEAST_STEP
@@ -83,15 +84,20 @@ class Palette:
         return np.concatenate(self.ramps), np.cumsum([0, *(len(ramp) for ramp in self.ramps)])
 
 
-def is_pixel_art(image: ToonImage) -> bool:
-    """Tell whether a drawing is pixel art: of few colors, without anti-aliasing, and small or full of details."""
+def is_pixel_art(image: ToonImage, *, views: int = 1) -> bool:
+    """
+    Tell whether a drawing is pixel art: of few colors, without anti-aliasing, and small or full of details.
+
+    Where it shows several views of an object side by side, each of its parts has to be small.
+    """
     _, areas, alone, edges = _distinct(image.color, image.alpha, image.mask, FEW_COLORS)
     fringe = image.fringe_colors[None], image.alpha[image.fringe_places][None]
     _, beside, _, _ = _distinct(*fringe, np.ones(fringe[1].shape, np.bool_), FEW_COLORS)
     count, pixels = len(areas) + len(beside), int(areas.sum() + beside.sum())
     if count > min(FEW_COLORS, pixels / FEWEST_PIXELS) or (2 * alone > areas).mean() > MOST_SCATTERED:
         return False
-    across = max(span.stop - span.start for span in bounding_box(image.mask))
+    parts = [bounding_box(image.mask)] if views == 1 else ndimage.find_objects(ndimage.label(image.mask)[0])
+    across = max(span.stop - span.start for part in parts for span in part)
     return across <= SMALL or bool(edges.sum() >= DETAILED * areas.sum())
 
 

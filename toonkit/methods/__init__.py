@@ -19,8 +19,8 @@ from toonkit.methods.steps import StepProgress
 from toonkit.methods.todo import todo
 from toonkit.methods.toonkit import toonkit
 from toonkit.model.image import ToonImage
+from toonkit.model.layer_loading import load_layers
 from toonkit.model.light import direction_of
-from toonkit.model.loading import load_image
 from toonkit.model.materials import Materials
 from toonkit.numerics.bands import single_threaded_blas
 from toonkit.samples import drawing_path
@@ -78,6 +78,7 @@ def analyze(
     *,
     method: str = "toonkit",
     materials: ArrayLike | Materials | None = None,
+    ink: ArrayLike | None = None,
     previous: ToonAnalysis | None = None,
     progress: StepProgress | None = None,
 ) -> ToonAnalysis:
@@ -87,7 +88,8 @@ def analyze(
     Parameters
     ----------
     image : ToonImage or path
-        The picture, a file that `load_image` reads, or "sample:NAME" for a drawing that toonkit ships.
+        The picture; a file that `load_layers` reads, whose layers then give materials and ink that are not given here; or
+        "sample:NAME" for a drawing that toonkit ships.
     light : array_like, shape (3,) or (2,), optional
         Direction from the surface to the light that the artist had in mind, or its azimuth and elevation in degrees;
         estimated if not given, and upper left where the picture does not say: see `ToonAnalysis.light_estimate`.
@@ -96,6 +98,9 @@ def analyze(
     materials : array_like of int, shape (H, W), or Materials, optional
         Number of the material of each pixel, 0 and up, and -1 where that is left to toonkit; ignored outside the mask.
         Found if not given.
+    ink : array_like of bool, shape (H, W), optional
+        True where line art covers most of a pixel, False everywhere if there is none; ignored outside the mask. Found if not
+        given.
     previous : ToonAnalysis, optional
         An analysis of the same mask under a nearby light. `toonkit` and `classical` start from it and answer sooner; one of
         the same picture passes on what was derived from it.
@@ -110,9 +115,9 @@ def analyze(
     Raises
     ------
     ToonkitError
-        If the method is unknown, the image is neither a `ToonImage` nor a file that can be read, the light or the materials
-        are refused, the previous analysis is of another mask, or the drawing shows nothing but lines and no materials are
-        given.
+        If the method is unknown, the image is neither a `ToonImage` nor a file that can be read, the light, the materials
+        or the ink are refused, the previous analysis is of another mask, or the drawing shows nothing but lines and no
+        materials are given.
 
     Examples
     --------
@@ -133,12 +138,15 @@ def analyze(
         of_type("previous", previous, ToonAnalysis)
     check_callable("progress", progress)
     if isinstance(image, (str, PathLike)):
-        image = load_image(drawing_path(fspath(image)))
+        layered = load_layers(drawing_path(fspath(image)))
+        image = layered.image
+        materials = layered.materials if materials is None else materials
+        ink = layered.ink if ink is None else ink
     direction = None if light is None else direction_of("light", light)
-    if previous is not None and previous.image is image and materials is None:
+    if previous is not None and previous.image is image and materials is None and ink is None:
         drawing = previous.drawing
     else:
-        drawing = prepare(image, materials=materials)
+        drawing = prepare(image, materials=materials, ink=ink)
         if previous is not None:
             same_mask("previous", previous.image.mask, drawing.mask, "the picture")
     if materials is None and drawing.ink.only_lines:

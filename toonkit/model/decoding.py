@@ -137,7 +137,7 @@ def _from_array(argument: str, source: ArrayLike, min_side: int) -> Pixels:
         raise refuse(
             argument, rule, f"{type(source).__name__} of shape {np.shape(array)}, dtype {array.dtype}"
         )
-    _check_size(argument, array.shape[1], array.shape[0], min_side)
+    check_size(argument, array.shape[1], array.shape[0], min_side)
     return _split(unit_range(argument, array))
 
 
@@ -150,7 +150,8 @@ def _split(samples: FloatArray) -> Pixels:
     return Pixels(np.ascontiguousarray(color), samples[..., -1].copy() if has_alpha else None)
 
 
-def _check_size(argument: str, width: int, height: int, min_side: int) -> None:
+def check_size(argument: str, width: int, height: int, min_side: int = MIN_SIDE) -> None:
+    """Refuse a picture that is too large or too small."""
     if width * height > MAX_PIXELS:
         _refuse_large(argument, f"{width} x {height} pixels")
     if min(width, height) < min_side:
@@ -191,9 +192,9 @@ def _decode(argument: str, data: bytes, min_side: int) -> _Decoded:
     header = png.read_header(data) if data.startswith(png.SIGNATURE) else None
     if header is not None:
         # Before Pillow, which checks the size with an exception that does not tell it.
-        _check_size(argument, header.width, header.height, min_side)
+        check_size(argument, header.width, header.height, min_side)
     with Image.open(io.BytesIO(data), formats=_FORMATS) as picture:
-        _check_size(argument, *picture.size, min_side)
+        check_size(argument, *picture.size, min_side)
         picture.load()
         profile = picture.info.get("icc_profile")
         space = ColorSpace(profile) if header is None else png.declared_space(data, profile)
@@ -206,10 +207,10 @@ def _decode(argument: str, data: bytes, min_side: int) -> _Decoded:
 
 
 def _decode_tiff(argument: str, data: bytes, min_side: int) -> _Decoded:
-    def check_size(width: int, height: int) -> None:
-        _check_size(argument, width, height, min_side)
+    def check_page(width: int, height: int) -> None:
+        check_size(argument, width, height, min_side)
 
-    found = tiff.decode_tiff(argument, data, check_size)
+    found = tiff.decode_tiff(argument, data, check_page)
     if not found.inks:
         return _Decoded(found.samples, found.space, found.orientation)
     inks = Image.fromarray(np.ascontiguousarray(found.samples[..., :4]), "CMYK")

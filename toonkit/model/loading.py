@@ -9,6 +9,7 @@ import numpy as np
 from toonkit._validation import MIN_OBJECT_PIXELS, BoolArray, FloatArray, any_array, refuse, same_shape
 from toonkit.model.background import cut_out
 from toonkit.model.decoding import PictureSource, Pixels, read_pixels, unit_range
+from toonkit.model.documents.opening import open_document
 from toonkit.model.image import ToonImage
 
 HALF_COVERED = 0.5
@@ -33,7 +34,7 @@ def load_image(source: PictureSource, *, mask: PictureSource | None = None) -> T
     ----------
     source : path, binary file object or array_like
         PNG, WebP, JPEG, TIFF, GIF or BMP of 8 or 16 bits a channel, brought to sRGB from the color space that it
-        declares; or an array of shape (H, W), (H, W, 2),
+        declares; the merged picture of a layered document, see `load_layers`; or an array of shape (H, W), (H, W, 2),
         (H, W, 3) or (H, W, 4), bool, uint8, uint16, or float in [0, 1]. Two and four channels end in alpha.
     mask : path, binary file object or array_like, optional
         Where the object is, shape (H, W): bool, uint8, uint16, or float in [0, 1]. A soft mask becomes the
@@ -64,7 +65,12 @@ def load_image(source: PictureSource, *, mask: PictureSource | None = None) -> T
     >>> int(load_image(picture).mask.sum())
     32
     """
-    pixels = read_pixels("source", source)
+    document = open_document("source", source)
+    return image_of(read_pixels("source", source) if document is None else document.read_merged(), mask)
+
+
+def image_of(pixels: Pixels, mask: PictureSource | None) -> ToonImage:
+    """Find the object in a decoded picture, as `load_image` says; its colors may be changed."""
     _remove_rounding(pixels.color)
     alpha = _opacity(pixels, mask)
     if alpha is None:

@@ -1,0 +1,1 @@
+"""Frames of sprite sheets and animations, analyzed as views of one object: one light, shared materials, one scale."""
