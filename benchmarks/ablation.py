@@ -80,7 +80,7 @@ def varied(
         return steps.finish("varied", steps.refine(corrected, None, options))
     allowed = allowed_interval(steps.drawing.tones, color_map)
     refinement = refine_islands(
-        steps.drawing.islands, corrected, steps.light, allowed,
+        steps.drawing.posed(steps.light).islands, corrected, steps.light, allowed,
         painted=painted_interval(steps.drawing.tones, color_map, allowed), options=options,
     )  # fmt: skip
     analysis = steps.finish("varied", refinement)

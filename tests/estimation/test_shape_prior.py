@@ -19,6 +19,7 @@ from toonkit.estimation.shape_prior import (
     misfit,
 )
 from toonkit.estimation.working_square import SIZE
+from toonkit.numerics.masked_grid import bounding_box
 
 ELEVATION = np.deg2rad(38)
 LIGHT = light_direction(118, 41)
@@ -294,9 +295,12 @@ def test_the_correction_turns_with_picture_and_light(quarters: int) -> None:
 
 
 def test_the_correction_is_the_same_at_twice_the_resolution() -> None:
-    odd = painted(cut_ellipse(240, 168).normals, TWO_TONE, light=LIGHT)
-    # Nothing was there; now the object begins at an even row and column, as that of an enlarged drawing does.
-    large = ToonImage(odd.color[:-1, 1:], odd.mask[:-1, 1:], alpha=odd.alpha[:-1, 1:])
+    whole = painted(cut_ellipse(240, 168).normals, TWO_TONE, light=LIGHT)
+    # An even number of rows and columns, as those of an enlarged drawing are.
+    box = tuple(
+        slice(side.start, side.stop - (side.stop - side.start) % 2) for side in bounding_box(whole.mask)
+    )
+    large = ToonImage(whole.color[box], whole.mask[box], alpha=whole.alpha[box])
     corrected = [
         correct_shape(image, LIGHT, inflate(image.mask, alpha=image.alpha))
         for image in (reduced(large, 2), large)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from toonkit._validation import FloatArray, as_coverage, as_mask
-from toonkit.estimation.islands import Island, islands_of, join
+from toonkit.estimation.islands import Island, islands_of, join_vectors
 from toonkit.estimation.silhouette import Silhouette
 from toonkit.model.normals import NormalField
 from toonkit.numerics.bands import run_in_pieces
@@ -70,7 +70,7 @@ def inflate(mask: ArrayLike, *, alpha: ArrayLike | None = None) -> NormalField:
 
 def inflate_islands(islands: tuple[Island, ...]) -> FloatArray:
     """Return the inflated normals (P, 3) of an object's islands; see `inflate`."""
-    return join(islands, [inflate_silhouette(island.grid, island.silhouette) for island in islands])
+    return join_vectors(islands, [inflate_silhouette(island.grid, island.silhouette) for island in islands])
 
 
 def inflate_silhouette(grid: MaskedGrid, silhouette: Silhouette) -> FloatArray:

@@ -13,6 +13,7 @@ from scipy.ndimage import find_objects, label
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.silhouette import Silhouette, trace_silhouette
+from toonkit.estimation.turn import AS_DRAWN, Turn, turn_to_the_right
 from toonkit.numerics.masked_grid import STEPS, Box, IndexArray, MaskedGrid, bounding_box
 
 LEAST_PIXELS = 64
@@ -35,16 +36,42 @@ class Island:
         Alpha of the box and of the pixels around it.
     pixels : ndarray of int, shape (p,), or slice
         Which of the whole object's pixels they are, in the same order.
+    turn : Turn
+        How it lies here, compared with the picture.
     """
 
     grid: MaskedGrid
     coverage: FloatArray
     pixels: IndexArray | slice
+    turn: Turn = AS_DRAWN
 
     @cached_property
     def silhouette(self) -> Silhouette:
         """The outline, between the pixels."""
         return trace_silhouette(self.grid, self.coverage)
+
+    def facing(self, light: FloatArray, brightness: FloatArray) -> Island:
+        """
+        Return an island, one that lies as drawn, turned so that its light comes from the right, or up to 45 degrees above.
+
+        If the light (3,) leaves a choice, what is bright, by numbers (P,) of the object's pixels, comes to lie there.
+        """
+        own = brightness[self.pixels]
+        height, width = self.grid.mask.shape
+        moment = np.array(
+            [own @ (2.0 * self.grid.columns - (width - 1)), own @ (height - 1 - 2.0 * self.grid.rows)]
+        )
+        turn = turn_to_the_right(light, moment)
+        if turn == self.turn:
+            return self
+        grid = MaskedGrid(turn.picture(self.grid.mask))
+        order = turn.picture(self.grid.index)[grid.mask]
+        pixels = order if isinstance(self.pixels, slice) else self.pixels[order]
+        return Island(grid, turn.picture(self.coverage), pixels, turn)
+
+    def own_vectors(self, vectors: FloatArray) -> FloatArray:
+        """Take vectors (P, 3) of the whole object at the island's pixels, and turn them as it lies, (p, 3)."""
+        return self.turn.vectors(vectors[self.pixels])
 
 
 def with_surroundings(image: NDArray[Any], box: Box) -> NDArray[Any]:
@@ -65,12 +92,19 @@ def islands_of(mask: BoolArray, coverage: FloatArray) -> tuple[Island, ...]:
 
 def join(islands: tuple[Island, ...], fields: Sequence[FloatArray]) -> FloatArray:
     """Put fields (p, ...) of an object's islands together to one of the whole object, (P, ...)."""
-    if len(fields) == 1:
+    if isinstance(islands[0].pixels, slice):
         return fields[0]
     whole = np.empty((sum(map(len, fields)), *fields[0].shape[1:]))
     for island, field in zip(islands, fields, strict=True):
         whole[island.pixels] = field
     return whole
+
+
+def join_vectors(islands: tuple[Island, ...], fields: Sequence[FloatArray]) -> FloatArray:
+    """Put vectors (p, 3) of an object's islands, turned as these lie, together to those of the whole object, (P, 3)."""
+    return join(
+        islands, [island.turn.vectors_back(field) for island, field in zip(islands, fields, strict=True)]
+    )
 
 
 def find_islands(grid: MaskedGrid, coverage: FloatArray, *, most: int = MOST) -> tuple[Island, ...]:

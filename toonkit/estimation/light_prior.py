@@ -7,7 +7,7 @@ it on generated shapes and color maps; `weights/light_prior.json` records how.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -75,10 +75,15 @@ def believed_light(drawing: ToonImage | PreparedDrawing, initial_normals: Normal
         of a drawing do not count as further evidence.
     """
     drawing = prepare(drawing)
-    islands = [drawing.islands[k] for k in drawing.telling_islands]
-    beliefs = [
-        _seen_on(Overview.of(drawing.reduced_paint[k], initial_normals.compact[island.pixels]))
+    pose = drawing.posed()
+    islands = [pose.islands[k] for k in drawing.telling_islands]
+    overviews = [
+        Overview.of(pose.reduced_paint[k], island.own_vectors(initial_normals.compact))
         for k, island in zip(drawing.telling_islands, islands, strict=True)
+    ]
+    beliefs = [
+        replace(belief, light=island.turn.vectors_back(belief.light))
+        for island, belief in zip(islands, map(_seen_on, overviews), strict=True)
     ]
     if len(beliefs) == 1:
         return beliefs[0]

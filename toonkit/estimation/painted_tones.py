@@ -71,8 +71,8 @@ class PaintedTones:
     darkest, brightest : ndarray, shape (P,)
         Tones of the bands that a mixed pixel lies between; the tone itself of all others.
     noise : float
-        Standard deviation of the tones of one painted color, from the median second difference along rows: zero for flat
-        colors and for gradients, whatever the number of band edges.
+        Standard deviation of the tones of one painted color, from the median second differences along rows and columns: zero
+        for flat colors and for gradients, whatever the number of band edges.
     """
 
     light: FloatArray
@@ -190,6 +190,10 @@ def _extremes(
 
 
 def _noise(framed: FloatArray) -> float:
+    return (_noise_along_rows(framed) + _noise_along_rows(framed.T)) / 2
+
+
+def _noise_along_rows(framed: FloatArray) -> float:
     second = np.abs(framed[:, 2:] - 2 * framed[:, 1:-1] + framed[:, :-2])
     inside = second[np.isfinite(second)]
     if inside.size == 0:

@@ -12,9 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from toonkit._validation import BoolArray, FloatArray, as_labels, as_lines, of_type, refuse
 from toonkit.estimation.inflation import inflate_islands
 from toonkit.estimation.islands import MOST, Island, find_islands, with_surroundings
-from toonkit.estimation.overview import ReducedPaint, reduce_paint
 from toonkit.estimation.painted_tones import PaintedTones
-from toonkit.estimation.shading_ratio import GrayPaint, PaintedMaterial, gray_paint
+from toonkit.estimation.pose import Pose
+from toonkit.estimation.shading_ratio import PaintedMaterial
+from toonkit.estimation.turn import Turn
 from toonkit.illustration.frame import Frame
 from toonkit.illustration.ink import Ink, find_ink, known_ink
 from toonkit.illustration.materials import FoundMaterials, label_materials, shows_one_ramp
@@ -24,6 +25,7 @@ from toonkit.illustration.palette import is_pixel_art
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.description import describe_object
 from toonkit.model.image import ToonImage
+from toonkit.model.luminance import REC709
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 from toonkit.numerics.masked_grid import MaskedGrid, bounding_box
@@ -35,7 +37,8 @@ TELLING, TELLING_SHARE = 4, 0.25
 """Islands from which the light is estimated, at most, and the least area of one relative to the largest."""
 
 WHATEVER_MATERIALS = (
-    "grid", "islands", "telling_islands", "_coverage", "frame", "is_pixel_art", "ink", "inked", "initial_normals"
+    "grid", "islands", "telling_islands", "_brightness", "_coverage", "frame", "is_pixel_art", "ink", "inked",
+    "initial_normals",
 )  # fmt: skip
 """Parts of a prepared drawing that do not depend on its materials."""
 
@@ -91,6 +94,7 @@ class PreparedDrawing:
         self.box = bounding_box(image.mask)
         self._given_labels = None if materials is None else as_labels("materials", materials, image.mask)
         self.given_ink = None if ink is None else as_lines("ink", ink, image.mask)
+        self._poses: dict[tuple[Turn, ...], Pose] = {}
 
     def __repr__(self) -> str:
         return f"PreparedDrawing({describe_object(self.mask)})"
@@ -229,25 +233,15 @@ class PreparedDrawing:
         """N0, inflated from the silhouette."""
         return NormalField.of_pixels(inflate_islands(self.islands), self.image.mask)
 
-    @cached_property
-    def gray(self) -> GrayPaint:
-        """The shading that the paint shows, whatever its material."""
-        return gray_paint(self.painted_materials, self.islands, self.inked)
-
-    @cached_property
-    def reduced_paint(self) -> tuple[ReducedPaint, ...]:
-        """Each island's tones and ink at about the resolution that the networks see."""
-        gray, labels = self.gray, self.frame.compact(self._found.labels)
-        return tuple(
-            reduce_paint(
-                island.grid,
-                gray.light[island.pixels],
-                gray.tone[island.pixels],
-                gray.hidden[island.pixels],
-                labels[island.pixels],
-            )
-            for island in self.islands
-        )
+    def posed(self, light: FloatArray | None = None) -> Pose:
+        """Turn each island so that its light comes from the right; without a light, what is bright comes to lie there."""
+        towards = np.zeros(3) if light is None else light
+        islands = tuple(island.facing(towards, self._brightness) for island in self.islands)
+        turns = tuple(island.turn for island in islands)
+        if turns not in self._poses:
+            labels = self.frame.compact(self._found.labels)
+            self._poses = {turns: Pose(islands, self.painted_materials, self.inked, labels)}
+        return self._poses[turns]
 
     @cached_property
     def telling_islands(self) -> tuple[int, ...]:
@@ -261,6 +255,11 @@ class PreparedDrawing:
         lower, upper = np.full((2, *self.image.shape), np.nan)
         lower[self.image.mask], upper[self.image.mask] = allowed.lower, allowed.upper
         return IlluminationInterval(lower, upper)
+
+    @cached_property
+    def _brightness(self) -> FloatArray:
+        """Luminance of the object's pixels, as drawn, shape (P,)."""
+        return np.asarray(self._drawn @ REC709)
 
     @cached_property
     def _coverage(self) -> FloatArray:

@@ -20,7 +20,7 @@ from toonkit._validation import (
     same_shape,
 )
 from toonkit.estimation.energy import RefinementOptions, change_energy
-from toonkit.estimation.islands import Island, islands_of, join
+from toonkit.estimation.islands import Island, islands_of, join_vectors
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.light import direction_of
 from toonkit.model.normals import NormalField
@@ -149,12 +149,13 @@ def refine_islands(
     for island in islands:
         size, pixels = island.grid.size, island.pixels
         energy = change_energy(
-            island.grid, island.silhouette, initial_normals.compact[pixels], light, _of_pixels(allowed, pixels), options,
+            island.grid, island.silhouette, island.own_vectors(initial_normals.compact),
+            island.turn.vectors(light), _of_pixels(allowed, pixels), options,
             painted=None if painted is None else _of_pixels(painted, pixels),
         )  # fmt: skip
         field, report = solve_unit_field(
             energy,
-            guess=None if guess is None else guess.compact[pixels],
+            guess=None if guess is None else island.own_vectors(guess.compact),
             tolerance=options.tolerance,
             negligible=NEGLIGIBLE,
             progress=partial(_tell_share, tell, done / whole, size / whole),
@@ -163,7 +164,7 @@ def refine_islands(
         reports.append(report)
         done += size
     return Refinement(
-        NormalField.of_pixels(join(islands, fields), initial_normals.mask), join_reports(reports)
+        NormalField.of_pixels(join_vectors(islands, fields), initial_normals.mask), join_reports(reports)
     )
 
 

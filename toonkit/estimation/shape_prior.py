@@ -20,7 +20,7 @@ from scipy.ndimage import distance_transform_edt
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.convolution import Array, Weights, field
-from toonkit.estimation.islands import join
+from toonkit.estimation.islands import join_vectors
 from toonkit.estimation.overview import Overview
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.estimation.tone_ranks import ToneRanks
@@ -72,12 +72,13 @@ def correct_shape(
     drawing = prepare(drawing)
     colored = len(drawing.painted_materials) > 1
     corrected = []
-    for island, paint in zip(drawing.islands, drawing.reduced_paint, strict=True):
-        initial = initial_normals.compact[island.pixels]
+    pose = drawing.posed(light)
+    for island, paint in zip(pose.islands, pose.reduced_paint, strict=True):
+        initial, direction = island.own_vectors(initial_normals.compact), island.turn.vectors(light)
         overview = Overview.of(paint, initial)
-        square = WorkingSquare.around(overview.grid, light[:2])
+        square = WorkingSquare.around(overview.grid, direction[:2])
         views = [
-            _View.of(overview, light, square, colored=colored, wider=wider, mirrored=mirrored)
+            _View.of(overview, direction, square, colored=colored, wider=wider, mirrored=mirrored)
             for wider, mirrored in SQUARES
         ]
         change = (
@@ -85,7 +86,7 @@ def correct_shape(
         )
         spread = square.enlarged(overview.factor).spread(square.turned_back(change), island.grid)
         corrected.append(moved(island.grid, initial, spread))
-    return NormalField.of_pixels(join(drawing.islands, corrected), initial_normals.mask)
+    return NormalField.of_pixels(join_vectors(pose.islands, corrected), initial_normals.mask)
 
 
 def misfit(
@@ -112,9 +113,11 @@ def misfit(
     """
     drawing = prepare(drawing)
     colored = len(drawing.painted_materials) > 1
+    pose = drawing.posed()
+    islands = [pose.islands[k] for k in drawing.telling_islands]
     overviews = [
-        Overview.of(drawing.reduced_paint[k], initial_normals.compact[drawing.islands[k].pixels])
-        for k in drawing.telling_islands
+        Overview.of(pose.reduced_paint[k], island.own_vectors(initial_normals.compact))
+        for k, island in zip(drawing.telling_islands, islands, strict=True)
     ]
 
     def missed(overview: Overview, light: FloatArray) -> float:
@@ -124,8 +127,14 @@ def misfit(
         seen = view.features(completed(view.initial + view.answer()))
         return _missed(seen) / max(float(np.var(seen[4][view.seen_mask])), 1e-12)
 
-    each = run_each([partial(missed, overview, light) for overview in overviews for light in lights])
-    areas = [drawing.islands[k].grid.size for k in drawing.telling_islands]
+    each = run_each(
+        [
+            partial(missed, overview, light)
+            for island, overview in zip(islands, overviews, strict=True)
+            for light in island.turn.vectors(lights)
+        ]
+    )
+    areas = [island.grid.size for island in islands]
     return np.average(np.reshape(each, (len(overviews), len(lights))), axis=0, weights=areas)
 
 

@@ -81,7 +81,7 @@ class Steps:
         """Fit the color maps to normals and refine them (Sections 3.2 and 3.3), from an earlier answer if there is one."""
         allowed, painted = self.fit_intervals(normals)
         return refine_islands(
-            self.drawing.islands,
+            self.drawing.posed(self.light).islands,
             normals,
             self.light,
             allowed,

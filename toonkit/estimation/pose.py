@@ -1,0 +1,55 @@
+"""A drawing whose islands are turned to their light, as the networks and the refinement see it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from toonkit._validation import BoolArray
+from toonkit.estimation.islands import Island
+from toonkit.estimation.overview import ReducedPaint, reduce_paint
+from toonkit.estimation.shading_ratio import GrayPaint, PaintedMaterial, gray_paint
+from toonkit.numerics.masked_grid import IndexArray
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """
+    A drawing whose islands are turned.
+
+    Attributes
+    ----------
+    islands : tuple of Island
+        The parts of the object that do not touch.
+    materials : tuple of PaintedMaterial
+        The tones of each material.
+    inked : ndarray of bool, shape (P,)
+        Where ink covers the paint.
+    labels : ndarray of int, shape (P,)
+        Numbers of the materials.
+    """
+
+    islands: tuple[Island, ...]
+    materials: tuple[PaintedMaterial, ...]
+    inked: BoolArray
+    labels: IndexArray
+
+    @cached_property
+    def gray(self) -> GrayPaint:
+        """The shading that the paint shows, whatever its material."""
+        return gray_paint(self.materials, self.islands, self.inked)
+
+    @cached_property
+    def reduced_paint(self) -> tuple[ReducedPaint, ...]:
+        """Each island's tones and ink at about the resolution that the networks see."""
+        gray = self.gray
+        return tuple(
+            reduce_paint(
+                island.grid,
+                gray.light[island.pixels],
+                gray.tone[island.pixels],
+                gray.hidden[island.pixels],
+                self.labels[island.pixels],
+            )
+            for island in self.islands
+        )
