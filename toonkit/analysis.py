@@ -22,6 +22,7 @@ from toonkit.model.light import describe_light
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination
+from toonkit.model.whole_pixels import put_pixels
 from toonkit.numerics.masked_grid import IndexArray
 from toonkit.numerics.report import NOT_REFINED, SolverReport
 
@@ -212,5 +213,5 @@ class ToonAnalysis:
     def _painted(self, paint: FloatArray) -> ToonImage:
         """Return the picture of which the object's pixels have these colors (P, 3)."""
         color = np.full_like(self.image.color, np.nan)
-        color[self.image.mask] = paint
+        put_pixels(color, self.image.mask, paint)
         return ToonImage.like(self.image, color, color[self.image.fringe_sources])

@@ -20,6 +20,7 @@ from toonkit._validation import (
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.model.oklab import off_hue, srgb_to_oklab
+from toonkit.model.whole_pixels import pixels_at
 from toonkit.numerics.masked_grid import rim_mask
 
 UNCHANGED = 1e-9
@@ -165,7 +166,7 @@ def picture_error(image: ToonImage, reference: ToonImage) -> PictureError:
     """
     _same_object(image, reference)
     mask = image.mask
-    squares = ((image.color[mask] - reference.color[mask]) ** 2).sum(axis=1) / 3
+    squares = ((pixels_at(image.color, mask) - pixels_at(reference.color, mask)) ** 2).sum(axis=1) / 3
     core = squares[~rim_mask(mask)[mask]]
     return PictureError(
         rmse=float(np.sqrt(squares.mean())),

@@ -26,6 +26,7 @@ from toonkit.model.description import describe_object
 from toonkit.model.image import ToonImage
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
+from toonkit.model.whole_pixels import pixels_at, put_pixels
 from toonkit.numerics.masked_grid import MaskedGrid, bounding_box
 
 MOST_PIXELS = 25_000_000
@@ -196,7 +197,7 @@ class PreparedDrawing:
     @cached_property
     def paint(self) -> FloatArray:
         """The colors without ink, mixtures of materials, and a compressor's noise, sRGB, shape (P, 3)."""
-        paint = self.frame.compact(self.frame.color)
+        paint = pixels_at(self.frame.color, self.frame.mask)
         paint[self.mixed.pixels] = paint[self.mixed.sources[:, 0]]
         return paint
 
@@ -285,7 +286,7 @@ class PreparedDrawing:
     def framed_normals(self) -> FloatArray:
         """N0 on the frame, shape (h, w, 3)."""
         vectors = np.zeros((*self.frame.mask.shape, 3))
-        vectors[self.frame.mask] = self.initial_normals.compact
+        put_pixels(vectors, self.frame.mask, self.initial_normals.compact)
         return vectors
 
     @cached_property

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.model.oklab import Lab, tabulated_oklab
+from toonkit.model.whole_pixels import pixels_at, put_pixels
 from toonkit.numerics.masked_grid import Box, bounding_box
 
 MARGIN = 1
@@ -48,7 +49,7 @@ class Frame:
         inside = np.pad(mask[place], MARGIN)
         cut = np.zeros((*inside.shape, 3))
         within = cut[MARGIN:-MARGIN, MARGIN:-MARGIN]
-        within[mask[place]] = color[place][mask[place]]
+        put_pixels(within, mask[place], pixels_at(color[place], mask[place]))
         return cls(place, inside, cut, tabulated_oklab(cut), views)
 
     def cut(self, values: NDArray[Any]) -> NDArray[Any]:

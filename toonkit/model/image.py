@@ -12,6 +12,7 @@ from scipy.ndimage import distance_transform_edt
 
 from toonkit._validation import BoolArray, FloatArray, as_array, as_coverage, as_mask, refuse, same_shape
 from toonkit.model.description import describe_object, preview_png
+from toonkit.model.whole_pixels import opaque, pixels_at, put_pixels
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +62,7 @@ class ToonImage:
         color = as_array("color", self.color, (None, None, 3))
         mask = as_mask("mask", self.mask)
         same_shape("mask", mask.shape, color.shape[:2], "color")
-        inside = _check_colors("color", color[mask])
+        inside = _check_colors("color", pixels_at(color, mask))
         shape = mask.shape
         alpha = (
             mask.astype(np.float64)
@@ -81,7 +82,7 @@ class ToonImage:
             same_shape("fringe", given.shape, color.shape, "color")
             fringe = _check_colors("fringe", as_array("fringe", given[self.fringe_places], (None, 3)))
         color[:] = np.nan
-        color[mask] = inside
+        put_pixels(color, mask, inside)
         self.__dict__["fringe_colors"] = fringe
 
     @classmethod
@@ -131,7 +132,7 @@ class ToonImage:
     def to_rgba(self) -> NDArray[np.uint8]:
         """Return the picture as 8-bit straight-alpha RGBA, shape (H, W, 4); transparent black where alpha is 0."""
         rgba = np.zeros((*self.shape, 4), np.uint8)
-        rgba[self.mask, :3] = eight_bit(self.color[self.mask])
+        put_pixels(rgba, self.mask, opaque(eight_bit(pixels_at(self.color, self.mask))))
         rgba[(*self.fringe_places, slice(0, 3))] = eight_bit(self.fringe_colors)
         rgba[..., 3] = eight_bit(self.alpha)
         return rgba
