@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -126,7 +126,7 @@ def _materials_tile(analysis: ToonAnalysis, small: Thumbnail) -> _Tile:
 
 
 def _color_map_tile(analysis: ToonAnalysis) -> _Tile:
-    ball = _ball(analysis.light, analysis.color_map, _LARGE_BALL_RADIUS)
+    ball = _ball(tuple(analysis.light), analysis.color_map, _LARGE_BALL_RADIUS)
     return _Tile(ball, "color map", "on a ball", None)
 
 
@@ -155,7 +155,7 @@ def _sheet(tiles: list[_Tile], color_map: ColorMap) -> NDArray[np.uint8]:
         x, y = left + (_TILE - tile.picture.width) // 2, top + (_TILE - tile.picture.height) // 2
         sheet.paste(tile.picture, (x, y), tile.picture)
         if tile.light is not None:
-            ball = _ball(tile.light, color_map, _BALL_RADIUS)
+            ball = _ball(tuple(tile.light), color_map, _BALL_RADIUS)
             sheet.paste(ball, (left + _TILE - ball.width - 6, top + 6), ball)
         sheet.paste(_BORDER, (left, top, left + _TILE, top + _TILE), outline)
         _caption(sheet, tile, left, top + _TILE + 7)
@@ -175,6 +175,7 @@ def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     return ImageFont.load_default(size=size)
 
 
+@cache
 def _card() -> Image.Image:
     """Draw the checkered ground that says: transparent."""
     row, column = np.indices((_TILE, _TILE)) // _CHECK
@@ -182,6 +183,7 @@ def _card() -> Image.Image:
     return Image.fromarray(np.where(dark[..., None], _CHECKED, _CARD).astype(np.uint8))
 
 
+@cache
 def _rounded(*, outline: bool) -> Image.Image:
     """Draw the coverage of a card with rounded corners, or of its border."""
     side = _TILE * _FINER
@@ -195,7 +197,8 @@ def _rounded(*, outline: bool) -> Image.Image:
     return fine.resize((_TILE, _TILE), Image.Resampling.BOX)
 
 
-def _ball(light: FloatArray, color_map: ColorMap, radius: int) -> Image.Image:
+@lru_cache(maxsize=64)  # sheets of one batch have most of them in common
+def _ball(light: tuple[float, ...], color_map: ColorMap, radius: int) -> Image.Image:
     """Draw a ball painted with a color map, and a dot where the light stands above it."""
     side = (2 * radius + 8) * _FINER
     center, radius = (side - 1) / 2, radius * _FINER
