@@ -118,7 +118,7 @@ def estimate_light(
     if initial_normals is not None:
         of_type("initial_normals", initial_normals, NormalField)
         same_mask("initial_normals", initial_normals.mask, drawing.image.mask, "the picture")
-    shaded = drawing.gray.hidden == 0
+    shaded = ~drawing.gray.hidden
     shades = drawing.gray.tone[shaded]
     if shades.size == 0 or float(np.var(shades)) < 1e-10:
         return LightEstimate(light_direction(0.0, 90.0), 0.0)

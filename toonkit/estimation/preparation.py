@@ -36,7 +36,7 @@ TELLING, TELLING_SHARE = 4, 0.25
 """Islands from which the light is estimated, at most, and the least area of one relative to the largest."""
 
 WHATEVER_MATERIALS = (
-    "grid", "islands", "telling_islands", "_coverage", "frame", "is_pixel_art", "ink", "inked", "initial_normals"
+    "grid", "islands", "telling_islands", "frame", "is_pixel_art", "ink", "inked", "initial_normals"
 )  # fmt: skip
 """Parts of a prepared drawing that do not depend on its materials."""
 
@@ -137,7 +137,8 @@ class PreparedDrawing:
     @cached_property
     def islands(self) -> tuple[Island, ...]:
         """The parts of the object that do not touch."""
-        return find_islands(self.grid, self._coverage, most=MOST * self.views)
+        coverage = with_surroundings(self.image.alpha, self.box)
+        return find_islands(self.grid, coverage, most=MOST * self.views)
 
     @cached_property
     def ink(self) -> Ink:
@@ -151,7 +152,7 @@ class PreparedDrawing:
             return known_ink(self.frame, lines, hard_edges=self.is_pixel_art)
         ink = find_ink(self.frame, hard_edges=self.is_pixel_art)
         if ink.coverage.any() and not ink.outlined and shows_one_ramp(self.frame, self.framed_normals):
-            return replace(ink, coverage=np.zeros_like(ink.coverage), only_lines=False)
+            return Ink.none(self.frame.mask)
         return ink
 
     @cached_property
@@ -163,11 +164,6 @@ class PreparedDrawing:
     def ink_coverage(self) -> FloatArray:
         """How much of each pixel is ink, shape (H, W), 0 outside the mask."""
         return self._on_picture(self.ink.coverage, 0.0)
-
-    @property
-    def ink_color(self) -> FloatArray:
-        """Color of the ink, sRGB, shape (H, W, 3); meaningless where there is none."""
-        return self._on_picture(self.ink.color, 0.0)
 
     @cached_property
     def materials(self) -> Materials:
@@ -262,10 +258,6 @@ class PreparedDrawing:
         lower, upper = np.full((2, *self.image.shape), np.nan)
         lower[self.image.mask], upper[self.image.mask] = allowed.lower, allowed.upper
         return IlluminationInterval(lower, upper)
-
-    @cached_property
-    def _coverage(self) -> FloatArray:
-        return with_surroundings(self.image.alpha, self.box)
 
     @cached_property
     def frame(self) -> Frame:

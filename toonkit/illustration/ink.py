@@ -80,8 +80,8 @@ class Ink:
     ----------
     coverage : ndarray, shape (h, w)
         In [0, 1]; 0 outside the mask.
-    color : ndarray, shape (h, w, 3)
-        sRGB of the ink; meaningless where coverage is 0.
+    colors : ndarray, shape (n, 3)
+        sRGB of the ink in the pixels where coverage is not 0, in row-major order.
     outlined : bool
         Whether ink follows more of the silhouette than shading can.
     only_lines : bool
@@ -89,9 +89,14 @@ class Ink:
     """
 
     coverage: FloatArray
-    color: FloatArray
+    colors: FloatArray
     outlined: bool
     only_lines: bool
+
+    @classmethod
+    def none(cls, mask: BoolArray) -> Ink:
+        """Return the ink of a drawing (h, w) that has none."""
+        return cls(np.zeros(mask.shape), np.zeros((0, 3)), outlined=False, only_lines=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,12 +135,11 @@ def find_ink(frame: Frame, *, hard_edges: bool = False) -> Ink:
     (1.0, 0.0)
     """
     strips, around = _dark_strips(frame), _Silhouette.of(frame.mask)
-    none = Ink(np.zeros(frame.mask.shape), frame.color, False, False)
     if np.count_nonzero(strips.cores) < SPECK * frame.size**2:
-        return none
+        return Ink.none(frame.mask)
     lines = _lines(frame, strips, around)
     if not lines.any():
-        return none
+        return Ink.none(frame.mask)
     return _ink_along(frame, lines, strips, around, hard_edges=hard_edges)
 
 
@@ -158,7 +162,7 @@ def known_ink(frame: Frame, lines: BoolArray, *, hard_edges: bool = False) -> In
         At least half of each pixel that is given, and as much of those beside them as their colors say.
     """
     if not lines.any():
-        return Ink(np.zeros(frame.mask.shape), frame.color, False, False)
+        return Ink.none(frame.mask)
     strips = _Strips(lines, lines, _window(frame))
     return _ink_along(frame, lines, strips, _Silhouette.of(frame.mask), hard_edges=hard_edges)
 
@@ -174,7 +178,8 @@ def _ink_along(
     enclosure = _both_sides(around.share(grown(inked, 1)))
     black = inked.any() and np.median(frame.lab[inked, 0]) < BLACK
     outlined = enclosure > (ENCLOSED_BY_BLACK if black else ENCLOSED)
-    return Ink(coverage, color, bool(outlined), _has_only_lines(frame, coverage))
+    colors = pixels_at(color, coverage > 0)
+    return Ink(coverage, colors, bool(outlined), _has_only_lines(frame, coverage))
 
 
 def _dark_strips(frame: Frame) -> _Strips:
