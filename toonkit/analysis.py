@@ -22,7 +22,6 @@ from toonkit.model.light import describe_light
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination
-from toonkit.model.whole_pixels import put_pixels
 from toonkit.numerics.masked_grid import IndexArray
 from toonkit.numerics.report import NOT_REFINED, SolverReport
 
@@ -212,6 +211,4 @@ class ToonAnalysis:
 
     def _painted(self, paint: FloatArray) -> ToonImage:
         """Return the picture of which the object's pixels have these colors (P, 3)."""
-        color = np.full_like(self.image.color, np.nan)
-        put_pixels(color, self.image.mask, paint)
-        return ToonImage.like(self.image, color, color[self.image.fringe_sources])
+        return ToonImage.like(self.image, paint, paint[self.image.fringe_pixels])

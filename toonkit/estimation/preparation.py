@@ -178,7 +178,7 @@ class PreparedDrawing:
         mixed = mixtures(
             frame.color, self.ink.coverage, found.labels, found.sources, found.highlights, frame.mask
         )
-        return replace(mixed, drawn=self._drawn[mixed.pixels])
+        return replace(mixed, drawn=self.image.pixels[mixed.pixels])
 
     @cached_property
     def is_pixel_art(self) -> bool:
@@ -200,7 +200,7 @@ class PreparedDrawing:
     @property
     def without_ink(self) -> FloatArray:
         """The colors without ink, sRGB, shape (P, 3)."""
-        return np.where(self.inked[:, None], self.paint, self._drawn)
+        return np.where(self.inked[:, None], self.paint, self.image.pixels)
 
     @cached_property
     def tones(self) -> PaintedTones:
@@ -262,17 +262,13 @@ class PreparedDrawing:
     @cached_property
     def frame(self) -> Frame:
         """The object, cut out, without a compressor's noise."""
-        return without_noise(Frame.around(self.image.color[self.box], self.grid.mask, views=self.views))
+        return without_noise(Frame.of_pixels(self.image.pixels, self.grid.mask, views=self.views))
 
     def _on_picture(self, framed: NDArray[Any], fill: float) -> NDArray[Any]:
         """Put values (h, w, ...) of the frame into the picture, (H, W, ...), filled elsewhere."""
         whole = np.full((*self.shape, *framed.shape[2:]), fill, framed.dtype)
         whole[self.box] = self.frame.inner(framed)
         return whole
-
-    @property
-    def _drawn(self) -> FloatArray:
-        return self.grid.gather(self.image.color[self.box])
 
     @property
     def framed_normals(self) -> FloatArray:

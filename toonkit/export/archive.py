@@ -29,7 +29,6 @@ from toonkit.model.decoding import MAX_PIXELS
 from toonkit.model.image import ToonImage
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
-from toonkit.model.whole_pixels import pixels_at
 from toonkit.numerics.report import SolverReport
 
 FORMAT_VERSION = 3
@@ -83,7 +82,7 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
         "soft_places": soft.astype(np.int32),
         "soft_alpha": pack_levels(image.alpha.ravel()[soft]),
         # Nothing outside the mask is a number: only what is inside is stored, row by row.
-        "color": pack_levels(pixels_at(image.color, image.mask)),
+        "color": pack_levels(image.pixels),
         "fringe": pack_levels(image.fringe_colors),
         "normals": pack_normals(analysis.normals.compact),
         **_material_fields(analysis),

@@ -114,7 +114,7 @@ def contact_sheet(
 
 
 def _input_tile(analysis: ToonAnalysis, small: Thumbnail) -> _Tile:
-    picture = small.picture(analysis.image.color[analysis.drawing.places(small.pixels)])
+    picture = small.picture(analysis.image.pixels[small.pixels])
     return _Tile(picture, "input", _angles(analysis.light), np.asarray(analysis.light))
 
 
