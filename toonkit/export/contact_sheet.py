@@ -17,6 +17,7 @@ from toonkit.model.color_map import ColorMap
 from toonkit.model.image import eight_bit
 from toonkit.model.label_colors import label_picture
 from toonkit.model.light import light_angles, light_direction
+from toonkit.model.whole_pixels import opaque, put_pixels
 from toonkit.relighting import relight_pixels
 
 STANDARD_LIGHTS: tuple[tuple[float, float], ...] = (
@@ -202,16 +203,18 @@ def _ball(light: tuple[float, ...], color_map: ColorMap, radius: int) -> Image.I
     """Draw a ball painted with a color map, and a dot where the light stands above it."""
     side = (2 * radius + 8) * _FINER
     center, radius = (side - 1) / 2, radius * _FINER
-    row, column = np.indices((side, side))
-    x, y = (column - center) / radius, (center - row) / radius  # row 0 is the top, y points up
-    squared = x**2 + y**2
-    z = np.sqrt(np.clip(1 - squared, 0, None))
-    painted = color_map(np.clip(x * light[0] + y * light[1] + z * light[2], -1, 1))
+    along = (np.arange(side) - center) / radius
+    squared = along**2 + along[:, None] ** 2
     beyond = (np.sqrt(squared) - 1) * radius / _FINER  # pixels outside the ball
-    painted[np.abs(beyond) < 1.2] = np.array(_INK) / 255
-    painted[beyond >= 1.2] = np.array(_CARD) / 255  # a halo sets it off from the picture below
-    rgba = np.concatenate([painted, (beyond < 3.2)[..., None]], axis=-1)
-    fine = Image.fromarray(np.round(rgba * 255).astype(np.uint8))
+    inside = beyond <= -1.2
+    row, column = np.nonzero(inside)
+    x, y, z = along[column], -along[row], np.sqrt(1 - squared[inside])  # row 0 is the top, y points up
+    rgba = np.full((side, side, 4), (*_CARD, 0), np.uint8)
+    rgba[beyond < 3.2, 3] = 255  # a halo sets it off from the picture below
+    put_pixels(rgba, np.abs(beyond) < 1.2, np.array((*_INK, 255)))
+    lit = color_map(np.clip(x * light[0] + y * light[1] + z * light[2], -1, 1))
+    put_pixels(rgba, inside, opaque(eight_bit(lit)))
+    fine = Image.fromarray(rgba)
     draw = ImageDraw.Draw(fine)
     spot = (center + light[0] * radius, center - light[1] * radius)
     draw.circle(spot, 3.6 * _FINER, fill=(255, 214, 64, 255), outline=(*_INK, 255), width=_FINER)
