@@ -66,7 +66,7 @@ def measured(name: str, size: int, *, given: bool, pairs: int) -> Row:
         object_pixels = int(image.mask.sum())
         archive = (folder / "analysis" / ARCHIVE_NAME).stat().st_size
     # What the picture itself takes is there before an analysis of it begins.
-    picture = sum(part.nbytes for part in (image.color, image.mask, image.alpha))
+    picture = sum(part.nbytes for part in (image.pixels, image.mask, image.alpha))
     return {
         "drawing": name,
         "size": size,

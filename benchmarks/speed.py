@@ -87,7 +87,7 @@ def drawing(shape: str, size: int) -> toonkit.ToonImage:
 
 def again(image: toonkit.ToonImage) -> toonkit.ToonImage:
     """Return the same picture, of which nothing is remembered."""
-    return toonkit.ToonImage.like(image, image.color, image.fringe_colors)
+    return toonkit.ToonImage.like(image, image.pixels, image.fringe_colors)
 
 
 def timed(work: Callable[[], object]) -> float:

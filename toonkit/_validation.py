@@ -146,9 +146,11 @@ def as_real(argument: str, value: ArrayLike, *, copy: bool = True) -> FloatArray
         return array.astype(np.float64, order="C", copy=copy)
 
 
-def as_array(argument: str, value: ArrayLike, shape: tuple[int | None, ...]) -> FloatArray:
+def as_array(
+    argument: str, value: ArrayLike, shape: tuple[int | None, ...], *, copy: bool = True
+) -> FloatArray:
     """Return `value` as float64, refusing anything that is not a real array of `shape` (None = any length)."""
-    array = as_real(argument, value)
+    array = as_real(argument, value, copy=copy)
     fits = array.ndim == len(shape) and all(
         want is None or have == want for have, want in zip(array.shape, shape, strict=True)
     )

@@ -211,6 +211,4 @@ class ToonAnalysis:
 
     def _painted(self, paint: FloatArray) -> ToonImage:
         """Return the picture of which the object's pixels have these colors (P, 3)."""
-        color = np.full_like(self.image.color, np.nan)
-        color[self.image.mask] = paint
-        return ToonImage.like(self.image, color, color[self.image.fringe_sources])
+        return ToonImage.like(self.image, paint, paint[self.image.fringe_pixels])

@@ -165,7 +165,7 @@ def picture_error(image: ToonImage, reference: ToonImage) -> PictureError:
     """
     _same_object(image, reference)
     mask = image.mask
-    squares = ((image.color[mask] - reference.color[mask]) ** 2).sum(axis=1) / 3
+    squares = ((image.pixels - reference.pixels) ** 2).sum(axis=1) / 3
     core = squares[~rim_mask(mask)[mask]]
     return PictureError(
         rmse=float(np.sqrt(squares.mean())),
@@ -218,7 +218,7 @@ def color_difference(image: ToonImage, reference: ToonImage) -> ErrorSummary:
 
     _same_object(image, reference)
     mask = image.mask
-    ours, theirs = (rgb2lab(picture.color[mask][None])[0] for picture in (image, reference))
+    ours, theirs = (rgb2lab(picture.pixels[None])[0] for picture in (image, reference))
     difference = np.full(mask.shape, np.nan)
     difference[mask] = deltaE_ciede2000(ours, theirs)
     return _summary(difference, mask)
@@ -315,7 +315,7 @@ def _lab_on_object(before: ToonImage, after: ToonImage) -> tuple[FloatArray, Flo
     for name, picture in (("before", before), ("after", after)):
         of_type(name, picture, ToonImage)
     same_mask("after", after.mask, before.mask, "the drawing")
-    old, new = (srgb_to_oklab(picture.color[before.mask]) for picture in (before, after))
+    old, new = (srgb_to_oklab(picture.pixels) for picture in (before, after))
     return old, new
 
 

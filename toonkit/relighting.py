@@ -134,39 +134,34 @@ def relight(
         raise refuse("light_color", "must be sRGB in [0, 1]", shine.tolist())
     if not is_number(ambient) or not 0 <= ambient <= 1:
         raise refuse("ambient", "must be a number from 0 to 1", ambient)
-    image, drawing, labels = analysis.image, analysis.drawing, analysis.materials.labels
+    image, normals = analysis.image, analysis.normals.compact
+    labels = analysis.materials.labels[image.mask]
     paint = Paint.of(analysis, palette, keep_detail=keep_detail)
     mixed = paint.mixed
     strength = flat_shading * (turn_share(analysis.light, light) if keep_detail else 1.0)
-    color = np.empty_like(image.color)
-    before = np.cumsum(np.count_nonzero(image.mask, axis=1)) - np.count_nonzero(image.mask, axis=1)
+    color = np.empty_like(image.pixels)
     run_in_bands(
-        _paint, labels, before, analysis.normals.compact, image.color, analysis.light, light,
+        _paint, labels, normals, image.pixels, analysis.light, light,
         *_stacked(paint.materials), float(strength), bool(keep_detail), color,
     )  # fmt: skip
     glow = LightColor.of(shine, float(ambient), analysis.materials.color_maps)
     glow.filled(color, labels)
-    sources = drawing.places(mixed.sources)
-    place = drawing.places(mixed.pixels)
-    left = highlights_left(analysis.normals.compact[mixed.pixels] @ (light - analysis.light))
-    shown, beneath = image.color[sources], color[sources]
-    color[place] = mixed.over(shown, beneath, left)
-    if paint.palette is not None:
-        inside = image.mask
-        color[inside] = paint.rounded(
-            color[inside], image.color[inside], labels[inside], mixed.pixels[mixed.highlit]
-        )
-    fringe = color[image.fringe_sources]
+    left = highlights_left(normals[mixed.pixels] @ (light - analysis.light))
+    shown, beneath = image.pixels[mixed.sources], color[mixed.sources]
+    color[mixed.pixels] = mixed.over(shown, beneath, left)
+    color = paint.rounded(color, image.pixels, labels, mixed.pixels[mixed.highlit])
+    followed = image.fringe_pixels
+    fringe = color[followed]
     if keep_detail:
-        fringe = np.clip(fringe + image.fringe_colors - image.color[image.fringe_sources], 0.0, 1.0)
-        fringe = paint.rounded(fringe, image.fringe_colors, labels[image.fringe_sources])
+        fringe = np.clip(fringe + image.fringe_colors - image.pixels[followed], 0.0, 1.0)
+        fringe = paint.rounded(fringe, image.fringe_colors, labels[followed])
     if not glow.is_white:
-        untinted = color[image.fringe_sources]
+        untinted = color[followed]
         glow.tinted(color, labels)
-        glow.tinted(beneath, labels[sources])
+        glow.tinted(beneath, labels[mixed.sources])
         mixture = mixed.over(shown, beneath, left)
-        color[place] = np.where(mixed.highlit[:, None], color[place], mixture)
-        fringe = np.clip(fringe + color[image.fringe_sources] - untinted, 0.0, 1.0)
+        color[mixed.pixels] = np.where(mixed.highlit[:, None], color[mixed.pixels], mixture)
+        fringe = np.clip(fringe + color[followed] - untinted, 0.0, 1.0)
     return ToonImage.like(image, color, fringe)
 
 
@@ -202,7 +197,7 @@ class Paint:
             raise refuse("palette", rule, palette)
         if found is None or not (palette or found.shades):
             return cls(analysis.materials, drawing.mixed, None)
-        paint = analysis.image.color[drawing.places(drawing.mixed.sources[:, 0])]
+        paint = analysis.image.pixels[drawing.mixed.sources[:, 0]]
         return cls(found.materials, drawing.mixed.unmixed(paint), found)
 
     def rounded(
@@ -270,22 +265,20 @@ def relight_pixels(
     drawing, light = analysis.drawing, analysis.light
     paint = Paint.of(analysis, palette, keep_detail=keep_detail)
     place, mixed = paint.mixed.among(pixels)
-    # Painted as a picture one pixel wide, with the pixels that the mixed ones show.
-    every = np.concatenate([pixels, mixed.sources.ravel()])
-    at = drawing.places(every)
-    labels, painted = analysis.materials.labels[at][:, None], analysis.image.color[at][:, None]
-    rows, normals = np.arange(len(every)), analysis.normals.compact[every]
+    every = np.concatenate([pixels, mixed.sources.ravel()])  # with those that the mixed ones show
+    labels, painted = analysis.materials.labels[drawing.places(every)], analysis.image.pixels[every]
+    normals = analysis.normals.compact[every]
     for new_light in new_lights:
         color = np.empty_like(painted)
         strength = turn_share(light, new_light) if keep_detail else 1.0
         run_in_bands(
-            _paint, labels, rows, normals, painted, light, new_light,
+            _paint, labels, normals, painted, light, new_light,
             *_stacked(paint.materials), float(strength), bool(keep_detail), color,
         )  # fmt: skip
         left = highlights_left(normals[place] @ (new_light - light))
         before, after = (colors[len(pixels) :].reshape(-1, 2, 3) for colors in (painted, color))
-        color[place, 0] = mixed.over(before, after, left)
-        own = slice(len(pixels)), 0
+        color[place] = mixed.over(before, after, left)
+        own = slice(len(pixels))
         yield paint.rounded(color[own], painted[own], labels[own], place[mixed.highlit])
 
 
@@ -314,45 +307,35 @@ def _stacked(materials: Materials) -> tuple[FloatArray, NDArray[np.intp], FloatA
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _paint(  # type: ignore[no-untyped-def]
-    labels, before, normals, painted, light, new_light, colors, starts, domains, flat, base, strength, keep_detail, color,
+    labels, normals, painted, light, new_light, colors, starts, domains, flat, base, strength, keep_detail, color,
     first, last,
 ):  # fmt: skip
-    """
-    Paint the rows from first to last; NaN where there is no object.
-
-    Normals (P, 3) are those of the object's pixels alone, of which `before` counts those above each row.
-    """
+    """Paint the pixels from first to last."""
     lx, ly, lz = light
     x, y, z = new_light
-    for row in range(first, last):
-        pixel = before[row] - 1
-        for column in range(labels.shape[1]):
-            which = labels[row, column]
-            if which < 0:
-                color[row, column, 0] = color[row, column, 1] = color[row, column, 2] = np.nan
-                continue
-            pixel += 1
-            ramp = colors[starts[which] : starts[which + 1]]
-            low, high = domains[which, 0], domains[which, 1]
-            n0, n1, n2 = normals[pixel, 0], normals[pixel, 1], normals[pixel, 2]
-            was, now = lx * n0 + ly * n1 + lz * n2, x * n0 + y * n1 + z * n2
-            red, green, blue = _mapped(ramp, low, high, now)
-            if flat[which]:
-                start = painted[row, column] if keep_detail else base[which]
-                red = min(max(start[0] + strength * (red - base[which, 0]), 0.0), 1.0)
-                green = min(max(start[1] + strength * (green - base[which, 1]), 0.0), 1.0)
-                blue = min(max(start[2] + strength * (blue - base[which, 2]), 0.0), 1.0)
-            elif keep_detail and abs(now - was) < 2.0 * DETAIL_RANGE:  # farther off nothing is kept
-                was_red, was_green, was_blue = _mapped(ramp, low, high, was)
-                more_red = painted[row, column, 0] - was_red
-                more_green = painted[row, column, 1] - was_green
-                more_blue = painted[row, column, 2] - was_blue
-                kept = detail_weight(now - was, more_red**2 + more_green**2 + more_blue**2)
-                if kept > 0.0:
-                    red = min(max(red + kept * more_red, 0.0), 1.0)
-                    green = min(max(green + kept * more_green, 0.0), 1.0)
-                    blue = min(max(blue + kept * more_blue, 0.0), 1.0)
-            color[row, column, 0], color[row, column, 1], color[row, column, 2] = red, green, blue
+    for pixel in range(first, last):
+        which = labels[pixel]
+        ramp = colors[starts[which] : starts[which + 1]]
+        low, high = domains[which, 0], domains[which, 1]
+        n0, n1, n2 = normals[pixel, 0], normals[pixel, 1], normals[pixel, 2]
+        was, now = lx * n0 + ly * n1 + lz * n2, x * n0 + y * n1 + z * n2
+        red, green, blue = _mapped(ramp, low, high, now)
+        if flat[which]:
+            start = painted[pixel] if keep_detail else base[which]
+            red = min(max(start[0] + strength * (red - base[which, 0]), 0.0), 1.0)
+            green = min(max(start[1] + strength * (green - base[which, 1]), 0.0), 1.0)
+            blue = min(max(start[2] + strength * (blue - base[which, 2]), 0.0), 1.0)
+        elif keep_detail and abs(now - was) < 2.0 * DETAIL_RANGE:  # farther off nothing is kept
+            was_red, was_green, was_blue = _mapped(ramp, low, high, was)
+            more_red = painted[pixel, 0] - was_red
+            more_green = painted[pixel, 1] - was_green
+            more_blue = painted[pixel, 2] - was_blue
+            kept = detail_weight(now - was, more_red**2 + more_green**2 + more_blue**2)
+            if kept > 0.0:
+                red = min(max(red + kept * more_red, 0.0), 1.0)
+                green = min(max(green + kept * more_green, 0.0), 1.0)
+                blue = min(max(blue + kept * more_blue, 0.0), 1.0)
+        color[pixel, 0], color[pixel, 1], color[pixel, 2] = red, green, blue
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

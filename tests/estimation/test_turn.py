@@ -52,7 +52,8 @@ def test_turned_islands_put_together_are_as_before(azimuth: float) -> None:
     mask[12:15, 8:11] = False
     islands = islands_of(mask, mask.astype(float))
     field = np.random.default_rng(2).normal(size=(int(mask.sum()), 3))
-    turned = tuple(island.facing(light_direction(azimuth, 30), field[:, 0]) for island in islands)
+    light = light_direction(azimuth, 30)
+    turned = tuple(island.turned(island.turn_to(light, field[:, 0])) for island in islands)
     assert all(island.turn == turned[0].turn for island in turned)
     assert (join_vectors(turned, [island.own_vectors(field) for island in turned]) == field).all()
 

@@ -78,14 +78,14 @@ def test_a_picture_like_another_one_shares_its_outline_and_has_a_fringe_when_ask
     alpha = MASK.astype(float)
     alpha[0, 2] = alpha[5, 5] = 0.25
     image = ToonImage(COLOR, MASK, alpha=alpha, fringe=np.full((6, 7, 3), 0.5))
-    other = ToonImage.like(
-        image, np.where(MASK[..., None], [0.1] * 3, np.nan), np.array([[0.2] * 3, [0.3] * 3])
-    )
+    other = ToonImage.like(image, np.full((MASK.sum(), 3), 0.1), np.array([[0.2] * 3, [0.3] * 3]))
     assert other.mask is image.mask
     assert other.alpha is image.alpha
     rgba = other.to_rgba()
     assert rgba[0, 2].tolist() == [51, 51, 51, 64]
     assert other.fringe[5, 5].tolist() == [0.3] * 3
+    assert np.array_equal(other.color[MASK], other.pixels)
+    assert np.isnan(other.color[~MASK]).all()
     assert np.isnan(other.fringe[MASK]).all()
     assert np.array_equal(ToonImage(other.color, MASK, alpha=alpha, fringe=other.fringe).to_rgba(), rgba)
     with pytest.raises(AttributeError, match="frnge"):

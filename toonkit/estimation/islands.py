@@ -50,19 +50,21 @@ class Island:
         """The outline, between the pixels."""
         return trace_silhouette(self.grid, self.coverage)
 
-    def facing(self, light: FloatArray, brightness: FloatArray) -> Island:
+    def turn_to(self, light: FloatArray, brightness: FloatArray) -> Turn:
         """
-        Return an island, one that lies as drawn, turned so that its light comes from the right, or up to 45 degrees above.
+        Return the turn after which the light (3,) comes from the right, or up to 45 degrees above.
 
-        If the light (3,) leaves a choice, what is bright, by numbers (P,) of the object's pixels, comes to lie there.
+        If the light leaves a choice, what is bright, by numbers (P,) of the object's pixels, comes to lie there.
         """
         own = brightness[self.pixels]
         height, width = self.grid.mask.shape
-        moment = np.array(
-            [own @ (2.0 * self.grid.columns - (width - 1)), own @ (height - 1 - 2.0 * self.grid.rows)]
-        )
-        turn = turn_to_the_right(light, moment)
-        if turn == self.turn:
+        along = own @ (2.0 * self.grid.columns - (width - 1))
+        up = own @ (height - 1 - 2.0 * self.grid.rows)
+        return turn_to_the_right(light, np.array([along, up]))
+
+    def turned(self, turn: Turn) -> Island:
+        """Turn an island that lies as drawn."""
+        if turn.is_identity:
             return self
         grid = MaskedGrid(turn.picture(self.grid.mask))
         order = turn.picture(self.grid.index)[grid.mask]

@@ -122,7 +122,7 @@ def estimate_light(
         of_type("initial_normals", initial_normals, NormalField)
         same_mask("initial_normals", initial_normals.mask, drawing.image.mask, "the picture")
     gray = drawing.posed().gray
-    shaded = gray.hidden == 0
+    shaded = ~gray.hidden
     shades = gray.tone[shaded]
     if shades.size == 0 or float(np.var(shades)) < 1e-10:
         return LightEstimate(light_direction(0.0, 90.0), 0.0)

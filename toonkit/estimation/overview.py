@@ -103,7 +103,7 @@ class Overview(ReducedPaint):
 
 
 def reduce_paint(
-    grid: MaskedGrid, light: FloatArray, tones: FloatArray, inked: FloatArray, labels: IndexArray
+    grid: MaskedGrid, light: FloatArray, tones: FloatArray, inked: BoolArray, labels: IndexArray
 ) -> ReducedPaint:
     """
     Reduce an object's paint to blocks, `LONGEST` to its longer side at most.
@@ -116,8 +116,8 @@ def reduce_paint(
         Its colors as linear light.
     tones : ndarray, shape (P,)
         Its tones without mixtures.
-    inked : ndarray, shape (P,)
-        One where ink touches the pixel, else zero.
+    inked : ndarray of bool, shape (P,)
+        Where ink touches the pixel.
     labels : ndarray of int, shape (P,)
         Numbers of its materials.
 
@@ -137,9 +137,9 @@ def reduce_paint(
     mask[coarse.rows[filled], coarse.columns[filled]] = True
     reduced = MaskedGrid(mask)
     if steps:
-        mean = (_block_sums(steps, light) / area[:, None])[filled]
+        mean = (_block_sums(steps, np.ascontiguousarray(light)) / area[:, None])[filled]
         tones = PaintedTones.between(mean, linear_to_srgb(mean @ REC709), reduced.rows, reduced.columns).plain
-    ink = (2 * _block_sums(steps, inked) >= area)[filled]
+    ink = (2 * _block_sums(steps, inked.astype(np.float64)) >= area)[filled]
     for step in steps:
         of_block = np.empty(step.coarse.size, labels.dtype)
         of_block[step.parent] = labels

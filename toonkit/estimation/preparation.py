@@ -28,6 +28,7 @@ from toonkit.model.image import ToonImage
 from toonkit.model.luminance import REC709
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
+from toonkit.model.whole_pixels import pixels_at, put_pixels
 from toonkit.numerics.masked_grid import MaskedGrid, bounding_box
 
 MOST_PIXELS = 25_000_000
@@ -37,8 +38,7 @@ TELLING, TELLING_SHARE = 4, 0.25
 """Islands from which the light is estimated, at most, and the least area of one relative to the largest."""
 
 WHATEVER_MATERIALS = (
-    "grid", "islands", "telling_islands", "_brightness", "_coverage", "frame", "is_pixel_art", "ink", "inked",
-    "initial_normals",
+    "grid", "islands", "telling_islands", "frame", "is_pixel_art", "ink", "inked", "initial_normals"
 )  # fmt: skip
 """Parts of a prepared drawing that do not depend on its materials."""
 
@@ -140,7 +140,8 @@ class PreparedDrawing:
     @cached_property
     def islands(self) -> tuple[Island, ...]:
         """The parts of the object that do not touch."""
-        return find_islands(self.grid, self._coverage, most=MOST * self.views)
+        coverage = with_surroundings(self.image.alpha, self.box)
+        return find_islands(self.grid, coverage, most=MOST * self.views)
 
     @cached_property
     def ink(self) -> Ink:
@@ -154,7 +155,7 @@ class PreparedDrawing:
             return known_ink(self.frame, lines, hard_edges=self.is_pixel_art)
         ink = find_ink(self.frame, hard_edges=self.is_pixel_art)
         if ink.coverage.any() and not ink.outlined and shows_one_ramp(self.frame, self.framed_normals):
-            return replace(ink, coverage=np.zeros_like(ink.coverage), only_lines=False)
+            return Ink.none(self.frame.mask)
         return ink
 
     @cached_property
@@ -166,11 +167,6 @@ class PreparedDrawing:
     def ink_coverage(self) -> FloatArray:
         """How much of each pixel is ink, shape (H, W), 0 outside the mask."""
         return self._on_picture(self.ink.coverage, 0.0)
-
-    @property
-    def ink_color(self) -> FloatArray:
-        """Color of the ink, sRGB, shape (H, W, 3); meaningless where there is none."""
-        return self._on_picture(self.ink.color, 0.0)
 
     @cached_property
     def materials(self) -> Materials:
@@ -185,7 +181,7 @@ class PreparedDrawing:
         mixed = mixtures(
             frame.color, self.ink.coverage, found.labels, found.sources, found.highlights, frame.mask
         )
-        return replace(mixed, drawn=self._drawn[mixed.pixels])
+        return replace(mixed, drawn=self.image.pixels[mixed.pixels])
 
     @cached_property
     def is_pixel_art(self) -> bool:
@@ -200,14 +196,14 @@ class PreparedDrawing:
     @cached_property
     def paint(self) -> FloatArray:
         """The colors without ink, mixtures of materials, and a compressor's noise, sRGB, shape (P, 3)."""
-        paint = self.frame.compact(self.frame.color)
+        paint = pixels_at(self.frame.color, self.frame.mask)
         paint[self.mixed.pixels] = paint[self.mixed.sources[:, 0]]
         return paint
 
     @property
     def without_ink(self) -> FloatArray:
         """The colors without ink, sRGB, shape (P, 3)."""
-        return np.where(self.inked[:, None], self.paint, self._drawn)
+        return np.where(self.inked[:, None], self.paint, self.image.pixels)
 
     @cached_property
     def tones(self) -> PaintedTones:
@@ -236,9 +232,10 @@ class PreparedDrawing:
     def posed(self, light: FloatArray | None = None) -> Pose:
         """Turn each island so that its light comes from the right; without a light, what is bright comes to lie there."""
         towards = np.zeros(3) if light is None else light
-        islands = tuple(island.facing(towards, self._brightness) for island in self.islands)
-        turns = tuple(island.turn for island in islands)
+        brightness = self.image.pixels @ REC709
+        turns = tuple(island.turn_to(towards, brightness) for island in self.islands)
         if turns not in self._poses:
+            islands = tuple(island.turned(turn) for island, turn in zip(self.islands, turns, strict=True))
             labels = self.frame.compact(self._found.labels)
             self._poses = {turns: Pose(islands, self.painted_materials, self.inked, labels)}
         return self._poses[turns]
@@ -257,18 +254,9 @@ class PreparedDrawing:
         return IlluminationInterval(lower, upper)
 
     @cached_property
-    def _brightness(self) -> FloatArray:
-        """Luminance of the object's pixels, as drawn, shape (P,)."""
-        return np.asarray(self._drawn @ REC709)
-
-    @cached_property
-    def _coverage(self) -> FloatArray:
-        return with_surroundings(self.image.alpha, self.box)
-
-    @cached_property
     def frame(self) -> Frame:
         """The object, cut out, without a compressor's noise."""
-        return without_noise(Frame.around(self.image.color[self.box], self.grid.mask, views=self.views))
+        return without_noise(Frame.of_pixels(self.image.pixels, self.grid.mask, views=self.views))
 
     def _on_picture(self, framed: NDArray[Any], fill: float) -> NDArray[Any]:
         """Put values (h, w, ...) of the frame into the picture, (H, W, ...), filled elsewhere."""
@@ -277,14 +265,10 @@ class PreparedDrawing:
         return whole
 
     @property
-    def _drawn(self) -> FloatArray:
-        return self.grid.gather(self.image.color[self.box])
-
-    @property
     def framed_normals(self) -> FloatArray:
         """N0 on the frame, shape (h, w, 3)."""
         vectors = np.zeros((*self.frame.mask.shape, 3))
-        vectors[self.frame.mask] = self.initial_normals.compact
+        put_pixels(vectors, self.frame.mask, self.initial_normals.compact)
         return vectors
 
     @cached_property

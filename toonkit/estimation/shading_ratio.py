@@ -49,14 +49,14 @@ class GrayPaint:
         Linear light, without the colors of materials.
     tone : ndarray, shape (P,)
         Its tone, plain.
-    hidden : ndarray, shape (P,)
-        One where nothing shows, under ink and on flat materials, else zero; light and tone are there those of the nearest
-        pixel of the same island that shows some.
+    hidden : ndarray of bool, shape (P,)
+        Where nothing shows, under ink and on flat materials; light and tone are there those of the nearest pixel of the same
+        island that shows some.
     """
 
     light: FloatArray
     tone: FloatArray
-    hidden: FloatArray
+    hidden: BoolArray
 
 
 def gray_paint(
@@ -81,7 +81,7 @@ def gray_paint(
     """
     if len(materials) == 1 and materials[0].tones is not None:
         tones = materials[0].tones
-        return GrayPaint(tones.light, tones.plain, inked.astype(np.float64))
+        return GrayPaint(tones.light, tones.plain, inked)
     gray, told = np.full(len(inked), LIT), np.zeros(len(inked), np.bool_)
     for material in materials:
         if material.tones is None:
@@ -92,8 +92,8 @@ def gray_paint(
         shown = told[island.pixels]
         if shown.any() and not shown.all():
             gray[island.pixels] = _nearest(gray[island.pixels], shown, island.grid)
-    light = np.repeat(gray[:, None], 3, axis=1)
-    return GrayPaint(light, np.asarray(linear_to_srgb(gray)), np.maximum(inked, ~told).astype(np.float64))
+    light = np.broadcast_to(gray[:, None], (len(gray), 3))  # each channel is the same memory
+    return GrayPaint(light, np.asarray(linear_to_srgb(gray)), inked | ~told)
 
 
 def relative_shade(shade: FloatArray) -> FloatArray:

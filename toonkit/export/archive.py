@@ -82,7 +82,7 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
         "soft_places": soft.astype(np.int32),
         "soft_alpha": pack_levels(image.alpha.ravel()[soft]),
         # Nothing outside the mask is a number: only what is inside is stored, row by row.
-        "color": pack_levels(image.color[image.mask]),
+        "color": pack_levels(image.pixels),
         "fringe": pack_levels(image.fringe_colors),
         "normals": pack_normals(analysis.normals.compact),
         **_material_fields(analysis),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,7 @@ from toonkit.model.color_map import ColorMap
 from toonkit.model.image import eight_bit
 from toonkit.model.label_colors import label_picture
 from toonkit.model.light import light_angles, light_direction
+from toonkit.model.whole_pixels import opaque, put_pixels
 from toonkit.relighting import relight_pixels
 
 STANDARD_LIGHTS: tuple[tuple[float, float], ...] = (
@@ -114,7 +115,7 @@ def contact_sheet(
 
 
 def _input_tile(analysis: ToonAnalysis, small: Thumbnail) -> _Tile:
-    picture = small.picture(analysis.image.color[analysis.drawing.places(small.pixels)])
+    picture = small.picture(analysis.image.pixels[small.pixels])
     return _Tile(picture, "input", _angles(analysis.light), np.asarray(analysis.light))
 
 
@@ -126,7 +127,7 @@ def _materials_tile(analysis: ToonAnalysis, small: Thumbnail) -> _Tile:
 
 
 def _color_map_tile(analysis: ToonAnalysis) -> _Tile:
-    ball = _ball(analysis.light, analysis.color_map, _LARGE_BALL_RADIUS)
+    ball = _ball(tuple(analysis.light), analysis.color_map, _LARGE_BALL_RADIUS)
     return _Tile(ball, "color map", "on a ball", None)
 
 
@@ -155,7 +156,7 @@ def _sheet(tiles: list[_Tile], color_map: ColorMap) -> NDArray[np.uint8]:
         x, y = left + (_TILE - tile.picture.width) // 2, top + (_TILE - tile.picture.height) // 2
         sheet.paste(tile.picture, (x, y), tile.picture)
         if tile.light is not None:
-            ball = _ball(tile.light, color_map, _BALL_RADIUS)
+            ball = _ball(tuple(tile.light), color_map, _BALL_RADIUS)
             sheet.paste(ball, (left + _TILE - ball.width - 6, top + 6), ball)
         sheet.paste(_BORDER, (left, top, left + _TILE, top + _TILE), outline)
         _caption(sheet, tile, left, top + _TILE + 7)
@@ -175,6 +176,7 @@ def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     return ImageFont.load_default(size=size)
 
 
+@cache
 def _card() -> Image.Image:
     """Draw the checkered ground that says: transparent."""
     row, column = np.indices((_TILE, _TILE)) // _CHECK
@@ -182,6 +184,7 @@ def _card() -> Image.Image:
     return Image.fromarray(np.where(dark[..., None], _CHECKED, _CARD).astype(np.uint8))
 
 
+@cache
 def _rounded(*, outline: bool) -> Image.Image:
     """Draw the coverage of a card with rounded corners, or of its border."""
     side = _TILE * _FINER
@@ -195,20 +198,23 @@ def _rounded(*, outline: bool) -> Image.Image:
     return fine.resize((_TILE, _TILE), Image.Resampling.BOX)
 
 
-def _ball(light: FloatArray, color_map: ColorMap, radius: int) -> Image.Image:
+@lru_cache(maxsize=64)  # sheets of one batch have most of them in common
+def _ball(light: tuple[float, ...], color_map: ColorMap, radius: int) -> Image.Image:
     """Draw a ball painted with a color map, and a dot where the light stands above it."""
     side = (2 * radius + 8) * _FINER
     center, radius = (side - 1) / 2, radius * _FINER
-    row, column = np.indices((side, side))
-    x, y = (column - center) / radius, (center - row) / radius  # row 0 is the top, y points up
-    squared = x**2 + y**2
-    z = np.sqrt(np.clip(1 - squared, 0, None))
-    painted = color_map(np.clip(x * light[0] + y * light[1] + z * light[2], -1, 1))
+    along = (np.arange(side) - center) / radius
+    squared = along**2 + along[:, None] ** 2
     beyond = (np.sqrt(squared) - 1) * radius / _FINER  # pixels outside the ball
-    painted[np.abs(beyond) < 1.2] = np.array(_INK) / 255
-    painted[beyond >= 1.2] = np.array(_CARD) / 255  # a halo sets it off from the picture below
-    rgba = np.concatenate([painted, (beyond < 3.2)[..., None]], axis=-1)
-    fine = Image.fromarray(np.round(rgba * 255).astype(np.uint8))
+    inside = beyond <= -1.2
+    row, column = np.nonzero(inside)
+    x, y, z = along[column], -along[row], np.sqrt(1 - squared[inside])  # row 0 is the top, y points up
+    rgba = np.full((side, side, 4), (*_CARD, 0), np.uint8)
+    rgba[beyond < 3.2, 3] = 255  # a halo sets it off from the picture below
+    put_pixels(rgba, np.abs(beyond) < 1.2, np.array((*_INK, 255)))
+    lit = color_map(np.clip(x * light[0] + y * light[1] + z * light[2], -1, 1))
+    put_pixels(rgba, inside, opaque(eight_bit(lit)))
+    fine = Image.fromarray(rgba)
     draw = ImageDraw.Draw(fine)
     spot = (center + light[0] * radius, center - light[1] * radius)
     draw.circle(spot, 3.6 * _FINER, fill=(255, 214, 64, 255), outline=(*_INK, 255), width=_FINER)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from toonkit._validation import of_type
 from toonkit.estimation.preparation import PreparedDrawing
 from toonkit.model.image import eight_bit
+from toonkit.model.whole_pixels import opaque, put_pixels
 
 
 def line_art(drawing: PreparedDrawing) -> NDArray[np.uint8]:
@@ -33,16 +34,15 @@ def line_art(drawing: PreparedDrawing) -> NDArray[np.uint8]:
     image, frame, ink = drawing.image, drawing.frame, drawing.ink
     rgba = np.zeros((*image.shape, 4), np.uint8)
     top, left = (side.start for side in drawing.box)
-    coverage, color = frame.inner(ink.coverage), frame.inner(ink.color)
-    inked = np.nonzero(coverage > 0)
-    places = inked[0] + top, inked[1] + left
+    coverage = frame.inner(ink.coverage)
+    put_pixels(rgba[drawing.box], coverage > 0, opaque(eight_bit(ink.colors)))
+    rgba[(*drawing.box, 3)] = eight_bit(coverage * image.alpha[drawing.box])
     # Line art continues to where the object's soft outline ends.
-    sources = image.fringe_sources[0] - top, image.fringe_sources[1] - left
-    continued = coverage[sources] > 0
-    for source, place in (
-        (inked, places),
-        (tuple(at[continued] for at in sources), tuple(at[continued] for at in image.fringe_places)),
-    ):
-        rgba[(*place, slice(0, 3))] = eight_bit(color[source])
-        rgba[(*place, 3)] = eight_bit(coverage[source] * image.alpha[place])
+    around = coverage[image.fringe_sources[0] - top, image.fringe_sources[1] - left]
+    continued = around > 0
+    fringe, nearest = (
+        tuple(at[continued] for at in places) for places in (image.fringe_places, image.fringe_sources)
+    )
+    rgba[fringe] = rgba[nearest]
+    rgba[(*fringe, 3)] = eight_bit(around[continued] * image.alpha[fringe])
     return rgba

@@ -61,7 +61,7 @@ def write_normal_map(
     if coverage is not None:
         opacity = np.round(coverage * (2**bits - 1)).astype(colors.dtype)
         colors = np.concatenate([colors, opacity[..., None]], axis=-1)
-    encoded = encode_png(np.ascontiguousarray(colors))
+    encoded = encode_png(np.ascontiguousarray(colors), smooth=True)
     with atomic_write(path) as file:
         file.write(encoded)
 

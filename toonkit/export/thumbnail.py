@@ -63,19 +63,18 @@ class Thumbnail:
         mask = image.mask[shown]
         own, width = np.nonzero(mask), mask.shape[1]
         fringe = np.flatnonzero(_on_grid(image.fringe_places, (top, left), step))
-        sources = tuple(at[fringe] for at in image.fringe_sources)
-        at = (own[0] * step + top, own[1] * step + left), sources
+        followed = image.fringe_pixels[fringe]
         box = [span.start for span in drawing.box]
-        pixels = [drawing.grid.index[along[0] - box[0], along[1] - box[1]] for along in at]
+        pixels = drawing.grid.index[own[0] * step + (top - box[0]), own[1] * step + (left - box[1])]
         return cls(
-            pixels=np.concatenate(pixels).astype(np.intp),
+            pixels=np.concatenate([pixels, followed]).astype(np.intp),
             object_places=own[0] * width + own[1],
             fringe_places=(
                 (image.fringe_places[0][fringe] - top) // step * width
                 + (image.fringe_places[1][fringe] - left) // step
             ),
             fringe_drawn=image.fringe_colors[fringe],
-            fringe_followed=image.color[sources],
+            fringe_followed=image.pixels[followed],
             alpha=eight_bit(image.alpha[shown]),
             whole=whole,
             side=side,

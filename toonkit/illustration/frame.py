@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.model.oklab import Lab, tabulated_oklab
+from toonkit.model.whole_pixels import pixels_at, put_pixels
 from toonkit.numerics.masked_grid import Box, bounding_box
 
 MARGIN = 1
@@ -44,11 +45,15 @@ class Frame:
     @classmethod
     def around(cls, color: FloatArray, mask: BoolArray, *, views: int = 1) -> Frame:
         """Cut out the object of a picture (H, W, 3); colors outside the mask (H, W) are ignored."""
+        return cls.of_pixels(pixels_at(color, mask), mask, views=views)
+
+    @classmethod
+    def of_pixels(cls, pixels: FloatArray, mask: BoolArray, *, views: int = 1) -> Frame:
+        """Cut out an object whose pixels, those of a mask (H, W), have some colors (P, 3)."""
         place = bounding_box(mask)
         inside = np.pad(mask[place], MARGIN)
         cut = np.zeros((*inside.shape, 3))
-        within = cut[MARGIN:-MARGIN, MARGIN:-MARGIN]
-        within[mask[place]] = color[place][mask[place]]
+        put_pixels(cut, inside, pixels)
         return cls(place, inside, cut, tabulated_oklab(cut), views)
 
     def cut(self, values: NDArray[Any]) -> NDArray[Any]:

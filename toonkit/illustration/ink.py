@@ -19,7 +19,9 @@ from scipy import ndimage
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.illustration.filling import nearest_sources
 from toonkit.illustration.frame import Frame
+from toonkit.illustration.neighborhoods import grown, shrunk
 from toonkit.model.oklab import Lab
+from toonkit.model.whole_pixels import pixels_at
 
 WIDEST = 0.035
 """Greatest width of a line, in square roots of the object's area."""
@@ -78,8 +80,8 @@ class Ink:
     ----------
     coverage : ndarray, shape (h, w)
         In [0, 1]; 0 outside the mask.
-    color : ndarray, shape (h, w, 3)
-        sRGB of the ink; meaningless where coverage is 0.
+    colors : ndarray, shape (n, 3)
+        sRGB of the ink in the pixels where coverage is not 0, in row-major order.
     outlined : bool
         Whether ink follows more of the silhouette than shading can.
     only_lines : bool
@@ -87,9 +89,14 @@ class Ink:
     """
 
     coverage: FloatArray
-    color: FloatArray
+    colors: FloatArray
     outlined: bool
     only_lines: bool
+
+    @classmethod
+    def none(cls, mask: BoolArray) -> Ink:
+        """Return the ink of a drawing (h, w) that has none."""
+        return cls(np.zeros(mask.shape), np.zeros((0, 3)), outlined=False, only_lines=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,12 +135,11 @@ def find_ink(frame: Frame, *, hard_edges: bool = False) -> Ink:
     (1.0, 0.0)
     """
     strips, around = _dark_strips(frame), _Silhouette.of(frame.mask)
-    none = Ink(np.zeros(frame.mask.shape), frame.color, False, False)
     if np.count_nonzero(strips.cores) < SPECK * frame.size**2:
-        return none
+        return Ink.none(frame.mask)
     lines = _lines(frame, strips, around)
     if not lines.any():
-        return none
+        return Ink.none(frame.mask)
     return _ink_along(frame, lines, strips, around, hard_edges=hard_edges)
 
 
@@ -156,7 +162,7 @@ def known_ink(frame: Frame, lines: BoolArray, *, hard_edges: bool = False) -> In
         At least half of each pixel that is given, and as much of those beside them as their colors say.
     """
     if not lines.any():
-        return Ink(np.zeros(frame.mask.shape), frame.color, False, False)
+        return Ink.none(frame.mask)
     strips = _Strips(lines, lines, _window(frame))
     return _ink_along(frame, lines, strips, _Silhouette.of(frame.mask), hard_edges=hard_edges)
 
@@ -169,10 +175,11 @@ def _ink_along(
     if not hard_edges:
         coverage, color = _coverage(frame, lines, strips)
     inked = coverage > 0.5
-    enclosure = _both_sides(around.share(_grown(inked, 1)))
+    enclosure = _both_sides(around.share(grown(inked, 1)))
     black = inked.any() and np.median(frame.lab[inked, 0]) < BLACK
     outlined = enclosure > (ENCLOSED_BY_BLACK if black else ENCLOSED)
-    return Ink(coverage, color, bool(outlined), _has_only_lines(frame, coverage))
+    colors = pixels_at(color, coverage > 0)
+    return Ink(coverage, colors, bool(outlined), _has_only_lines(frame, coverage))
 
 
 def _dark_strips(frame: Frame) -> _Strips:
@@ -202,18 +209,18 @@ def _lines(frame: Frame, strips: _Strips, around: _Silhouette) -> BoolArray:
         if count < SPECK * frame.size**2:
             continue
         share = count / np.count_nonzero(near)
-        followed = around.share(_grown(thin, 1))
+        followed = around.share(grown(thin, 1))
         encloses = _both_sides(followed)
         least = 0.1 if share > 0.85 or ink[0] < BLACK else 0.3
         if encloses > least:
             # Where lines meet, ink is wider than the window.
-            lines |= near & _grown(thin, strips.width // 2) if share > 0.6 else thin
+            lines |= near & grown(thin, strips.width // 2) if share > 0.6 else thin
         elif share > 0.75 and followed.max() < 0.27:
             lines |= _elongated(thin)
         elif share > PIECE:
             pieces |= thin
     # Lines may be a darker shade of the paint they surround: the outline then has a color for each part.
-    if pieces.any() and _both_sides(around.share(_grown(pieces | lines, 1))) > 0.4:
+    if pieces.any() and _both_sides(around.share(grown(pieces | lines, 1))) > 0.4:
         lines |= pieces
     if frame.size <= TINY:  # the pixels inside the silhouette are most of it, whatever they are painted
         return lines
@@ -223,18 +230,18 @@ def _lines(frame: Frame, strips: _Strips, around: _Silhouette) -> BoolArray:
 def _outlines(frame: Frame, around: _Silhouette, width: int) -> BoolArray:
     """Find lines of any lightness, and a sticker's border: one color along the silhouette on all sides, nowhere wide."""
     mask, lab = frame.mask, frame.lab
-    inner = ndimage.minimum_filter(mask, 3)
-    band = inner & ~ndimage.minimum_filter(inner, 3)
+    inner = shrunk(mask, 1)
+    band = inner & ~shrunk(inner, 1)
     lines = np.zeros_like(mask)
     if not band.any():
         return lines
     for ink in _frequent_colors(lab[band])[:2]:
         near = mask & (_distance(lab, ink) < SAME_INK)
-        if _both_sides(around.share(_grown(near, 1))) < 0.5:
+        if _both_sides(around.share(grown(near, 1))) < 0.5:
             continue
-        wide = near & ndimage.maximum_filter(ndimage.minimum_filter(near, width), width)
+        wide = near & grown(shrunk(near, width // 2), width // 2)
         if np.count_nonzero(band & near & ~wide) > 0.8 * np.count_nonzero(band & near):
-            lines |= near & ~_grown(wide, 1)
+            lines |= near & ~grown(wide, 1)
     return lines
 
 
@@ -253,7 +260,7 @@ class _Silhouette:
     @classmethod
     def of(cls, mask: BoolArray) -> _Silhouette:
         """Find the silhouette of a mask."""
-        rim = mask & ~ndimage.minimum_filter(mask, 3)
+        rim = mask & ~shrunk(mask, 1)
         down, right = np.gradient(ndimage.gaussian_filter(mask.astype(np.float32), 2.5))
         pixels = np.flatnonzero(rim)
         # Eighths centered on the axes and diagonals stay eighths when the picture is turned or mirrored.
@@ -303,8 +310,8 @@ def _elongated(thin: BoolArray) -> BoolArray:
 
 def _coverage(frame: Frame, lines: BoolArray, strips: _Strips) -> tuple[FloatArray, FloatArray]:
     """Unmix the pixels in and beside lines into ink and the paint next to them."""
-    reach = frame.mask & _grown(lines, MIXING_REACH)
-    reach |= strips.cores & _grown(lines, 3 * strips.width)
+    reach = frame.mask & grown(lines, MIXING_REACH)
+    reach |= strips.cores & grown(lines, 3 * strips.width)
     ink_source = nearest_sources(lines, frame.lab, reach, within=3 * strips.width)
     clean = frame.mask & ~reach & ~strips.pixels
     paint_source = nearest_sources(clean, frame.lab, reach | strips.pixels, within=4 * strips.width)
@@ -322,12 +329,6 @@ def _coverage(frame: Frame, lines: BoolArray, strips: _Strips) -> tuple[FloatArr
     return coverage, drawn
 
 
-def _grown(marked: BoolArray, steps: int) -> BoolArray:
-    """Add what lies within some steps, diagonal ones among them."""
-    grown: BoolArray = ndimage.maximum_filter(marked, 2 * steps + 1)
-    return grown
-
-
 def _has_only_lines(frame: Frame, coverage: FloatArray) -> bool:
     """Tell whether the paint is nowhere wider than lines, or blank."""
     if not coverage.any():
@@ -336,9 +337,9 @@ def _has_only_lines(frame: Frame, coverage: FloatArray) -> bool:
     if not paint.any():
         return True
     width = 2 * max(1, int(WIDEST * frame.size)) + 1
-    if frame.size > TINY and not ndimage.minimum_filter(paint, width).any():
+    if frame.size > TINY and not shrunk(paint, width // 2).any():
         return True
-    colors = frame.lab[paint]
+    colors = pixels_at(frame.lab, paint)
     middle = np.median(colors, axis=0)
     blank = middle[0] > 0.93 and np.hypot(middle[1], middle[2]) < 0.02
     return bool(blank and np.mean(_distance(colors, middle) < SAME_INK) > 0.95)

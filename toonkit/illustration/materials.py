@@ -20,9 +20,11 @@ from toonkit.illustration.frame import Frame
 from toonkit.illustration.highlights import find_highlights, find_named_highlights
 from toonkit.illustration.ink import PAINT
 from toonkit.illustration.mixed_pixels import REACH
+from toonkit.illustration.neighborhoods import grown
 from toonkit.illustration.ramps import Facing, Groups, is_one_ramp, join_tones
 from toonkit.illustration.tones import Tones, find_tones
 from toonkit.illustration.zones import Zones, find_zones
+from toonkit.model.whole_pixels import pixels_at
 
 TONE_SHARE = 0.01
 """Share of a material's pixels that a color must have to be listed as one of its tones."""
@@ -136,7 +138,7 @@ def _everywhere(source: Labels, mask: BoolArray) -> Labels:
 def _facing(tones: Tones, normals: FloatArray, *, inked: bool) -> Facing:
     """Sum the normals beneath each tone."""
     paint = tones.labels >= 0
-    beneath = np.nan_to_num(normals[paint])
+    beneath = np.nan_to_num(pixels_at(normals, paint))
     tone = tones.labels[paint]
     count = len(tones.area)
     sums = [np.bincount(tone, component, count) for component in beneath.T]
@@ -196,7 +198,7 @@ def _under_highlights(
     if not lit.any():
         return lit, pure
     lit = frame.mask & lit.ravel()[source]
-    lit |= ~unmixed & frame.mask & ndimage.maximum_filter(lit, 2 * REACH + 1)
+    lit |= ~unmixed & frame.mask & grown(lit, REACH)
     around = nearest_sources(unmixed & ~lit & frame.mask, frame.lab, lit)
     return lit, np.where(lit & (around >= 0), around, pure)
 
@@ -237,7 +239,9 @@ def _colors(frame: Frame, tones: Tones, labels: Labels, pure: BoolArray) -> tupl
     count, number = int(labels.max()) + 1, len(tones.area)
     key = labels[paint].astype(np.intp) * number + tones.labels[paint]
     area = np.bincount(key, minlength=count * number)
-    sums = np.column_stack([np.bincount(key, channel, count * number) for channel in frame.color[paint].T])
+    sums = np.column_stack(
+        [np.bincount(key, channel, count * number) for channel in pixels_at(frame.color, paint).T]
+    )
     area, sums = area.reshape(count, number), sums.reshape(count, number, 3)
     large = area >= np.maximum(TONE_SHARE * area.sum(axis=1, keepdims=True), 1)
     colors = []

@@ -11,6 +11,7 @@ from scipy import ndimage
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.illustration.filling import Labels
 from toonkit.illustration.frame import Frame
+from toonkit.illustration.neighborhoods import grown, range_around, shrunk
 from toonkit.illustration.zones import find_zones
 from toonkit.model.oklab import Lab, tabulated_oklab
 from toonkit.numerics.compiled import njit
@@ -85,9 +86,9 @@ def without_noise(frame: Frame) -> Frame:
 
 def _wavers(frame: Frame) -> bool:
     """Tell whether colors waver without any direction in much of a drawing."""
-    inner = ndimage.minimum_filter(frame.mask, 3)
-    spread = _spread(frame.color)
-    wavering = inner & (spread > 0.5) & (spread < WAVERS + 0.5)
+    inner = shrunk(frame.mask, 1)
+    steps = 255 * range_around(frame.color)
+    wavering = inner & (steps > 0.5) & (steps < WAVERS + 0.5)
     if np.count_nonzero(wavering) <= NOISY * np.count_nonzero(inner):
         return False
     value, second, first = frame.color.sum(axis=2), 0.0, 0.0
@@ -96,14 +97,6 @@ def _wavers(frame: Frame) -> bool:
         second += float(np.abs(before - 2 * value + after)[wavering].sum())
         first += float(np.abs(before - after)[wavering].sum())
     return second > ROUGH * first
-
-
-def _spread(color: FloatArray) -> FloatArray:
-    """Range of each pixel and its eight neighbors, in steps of the channel where it is largest."""
-    spread: FloatArray = np.zeros(color.shape[:2])
-    for channel in np.moveaxis(color, 2, 0):
-        spread = np.maximum(spread, ndimage.maximum_filter(channel, 3) - ndimage.minimum_filter(channel, 3))
-    return 255 * spread
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -150,10 +143,10 @@ def _own_paint(color: FloatArray, lab: Lab, mask: BoolArray) -> NDArray[np.intp]
         Flat index of the pixel whose color each gets: its own where it is steady, or nothing is found.
     """
     own = np.arange(mask.size).reshape(mask.shape)
-    steady = mask & (_spread(color) < STEADY + 0.5)
+    steady = mask & (255 * range_around(color) < STEADY + 0.5)
     source = np.where(steady, own, -1).ravel()
     luma, lab, width = (color @ LUMA).ravel(), lab.reshape(-1, 3), mask.shape[1]
-    left = np.flatnonzero(mask & ~steady & ndimage.maximum_filter(steady, 2 * REACH + 1))
+    left = np.flatnonzero(mask & ~steady & grown(steady, REACH))
     for _ in range(REACH):
         least, found = np.full(len(left), np.inf, np.float32), np.full(len(left), -1)
         for step in (1, width, width + 1, width - 1):

@@ -23,7 +23,7 @@ from toonkit.model.luminance import luminance, tone
 from toonkit.model.materials import Materials
 from toonkit.model.oklab import off_hue, srgb_to_oklab
 from toonkit.numerics.compiled import njit
-from toonkit.numerics.masked_grid import bounding_box
+from toonkit.numerics.masked_grid import OUTSIDE, bounding_box
 
 Counts = NDArray[np.intp]
 
@@ -90,8 +90,8 @@ def is_pixel_art(image: ToonImage, *, views: int = 1) -> bool:
 
     Where it shows several views of an object side by side, each of its parts has to be small.
     """
-    _, areas, alone, edges = _distinct(image.color, image.alpha, image.mask, FEW_COLORS)
-    fringe = image.fringe_colors[None], image.alpha[image.fringe_places][None]
+    _, areas, alone, edges = _distinct(image.pixels, image.alpha, image.mask, FEW_COLORS)
+    fringe = image.fringe_colors, image.alpha[image.fringe_places][None]
     _, beside, _, _ = _distinct(*fringe, np.ones(fringe[1].shape, np.bool_), FEW_COLORS)
     count, pixels = len(areas) + len(beside), int(areas.sum() + beside.sum())
     if count > min(FEW_COLORS, pixels / FEWEST_PIXELS) or (2 * alone > areas).mean() > MOST_SCATTERED:
@@ -118,7 +118,7 @@ def find_palette(image: ToonImage, materials: Materials) -> Palette | None:
         None if the drawing has more than `MOST_COLORS` colors in one material.
     """
     most = MOST_COLORS * materials.count
-    found, *_ = _distinct(image.color, materials.labels, image.mask, most)
+    found, *_ = _distinct(image.pixels, materials.labels, image.mask, most)
     if len(found) > most:
         return None
     ramps = [_ramp(found[found[:, 3] == number, :3], materials, number) for number in range(materials.count)]
@@ -238,17 +238,18 @@ def _round(wanted, drawn, which, ramps, starts, own, rounded):  # type: ignore[n
 
 
 def _distinct(
-    color: FloatArray, beside: NDArray[Any], mask: BoolArray, most: int
+    colors: FloatArray, beside: NDArray[Any], mask: BoolArray, most: int
 ) -> tuple[FloatArray, Counts, Counts, Counts]:
     """
-    List the colors of pixels together with a number that each has beside its color.
+    List the colors (P, 3) of a mask's pixels together with a number that each has beside its color, of an image (H, W).
 
     Returns the distinct ones (n, 4), in the order of their first pixels, how many pixels have each, and how many of these
     have no neighbor with the same, and one with another. Stops as soon as there are more than `most`.
     """
     firsts, counts = np.empty(most + 1, np.intp), np.zeros((3, most + 1), np.intp)
-    colors, numbers = color.reshape(-1, 3), beside.ravel()
-    count = _list(colors, numbers, mask.ravel(), mask.shape[1], firsts, *counts)
+    numbers, index = beside[mask], np.full(mask.shape, OUTSIDE, np.int32)
+    index[mask] = np.arange(len(colors), dtype=np.int32)
+    count = _list(colors, numbers, index.ravel(), mask.shape[1], firsts, *counts)
     first = firsts[:count]
     areas, alone, edges = counts[:, :count]
     return np.column_stack([colors[first], numbers[first]]), areas, alone, edges
@@ -264,26 +265,27 @@ def _alike(color, beside, p, q):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _list(color, beside, mask, width, firsts, areas, alone, edges):  # type: ignore[no-untyped-def]
+def _list(color, beside, index, width, firsts, areas, alone, edges):  # type: ignore[no-untyped-def]
     count = place = 0
-    for p in range(mask.size):
-        if not mask[p]:
+    for p in range(index.size):
+        own = index[p]
+        if own < 0:
             continue
         for _ in range(count):  # from that of the pixel before, for neighbors are mostly alike
-            if _alike(color, beside, firsts[place], p):
+            if _alike(color, beside, firsts[place], own):
                 break
             place = (place + 1) % count
         else:
             place = count
-            firsts[place] = p
+            firsts[place] = own
             count += 1
         areas[place] += 1
         same, other = False, False
         for side in range(4):
             step = width if side < 2 else 1
             q = p + step if side & 1 else p - step
-            if 0 <= q < mask.size and mask[q] and (step == width or q // width == p // width):
-                alike = _alike(color, beside, p, q)
+            if 0 <= q < index.size and index[q] >= 0 and (step == width or q // width == p // width):
+                alike = _alike(color, beside, own, index[q])
                 same |= alike
                 other |= not alike
         alone[place] += not same

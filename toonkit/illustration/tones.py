@@ -15,6 +15,7 @@ from toonkit._validation import FloatArray
 from toonkit.illustration.filling import Labels
 from toonkit.illustration.zones import Zones
 from toonkit.model.oklab import Lab
+from toonkit.model.whole_pixels import pixels_at
 
 CELL = 0.015
 """Width of the histogram's cells, OKLab."""
@@ -81,7 +82,7 @@ class Tones:
 def find_tones(zones: Zones) -> Tones:
     """Find the tones of the paint that zones cover."""
     paint = zones.labels >= 0
-    colors = zones.lab[paint]
+    colors = pixels_at(zones.lab, paint)
     tone = _cluster(colors)
     count = int(tone.max()) + 1
     area = np.bincount(tone, minlength=count)

@@ -15,6 +15,7 @@ from scipy import ndimage
 
 from toonkit._validation import BoolArray
 from toonkit.illustration.filling import Labels, nearest_sources
+from toonkit.illustration.neighborhoods import shrunk
 from toonkit.model.oklab import Lab
 from toonkit.numerics.compiled import njit
 
@@ -94,7 +95,7 @@ def _without_grain(lab: Lab, paint: BoolArray) -> Lab:
     """Average each pixel with those neighbors that are much like it, if most paint is grained or dithered."""
     lightness = lab[..., 0]
     cross = ndimage.convolve(lightness, np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]], np.float32) / 4)
-    inner = ndimage.minimum_filter(paint, 3)
+    inner = shrunk(paint, 1)
     if not inner.any() or np.median(np.abs(cross - lightness)[inner]) < GRAIN:
         return lab
     smooth = lab

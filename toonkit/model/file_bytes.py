@@ -66,7 +66,8 @@ def _read_path(argument: str, path: Path, limit: int, kind: str) -> bytes:
             shown = f"{path} of {found.st_size // 2**20} MiB"
             raise refuse(argument, f"must have at most {limit // 2**20} MiB", shown)
         with path.open("rb") as file:
-            return file.read(limit + 1)  # a file may grow
+            # As much as there is, which may have grown: memory for the limit would be set aside for every file.
+            return _read_open(argument, file, limit)
     except FileNotFoundError:
         raise refuse(argument, "must be an existing file", f"{path}, which does not exist") from None
     except OSError as error:

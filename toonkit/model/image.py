@@ -12,6 +12,7 @@ from scipy.ndimage import distance_transform_edt
 
 from toonkit._validation import BoolArray, FloatArray, as_array, as_coverage, as_mask, refuse, same_shape
 from toonkit.model.description import describe_object, preview_png
+from toonkit.model.whole_pixels import opaque, pixels_at, put_pixels
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,14 +35,16 @@ class ToonImage:
 
     Attributes
     ----------
+    pixels : ndarray, shape (P, 3)
+        Colors of the object's pixels alone, in row-major order: float64.
     color : ndarray, shape (H, W, 3)
-        float64, NaN outside the mask.
+        The same as an image, NaN outside the mask. Made when it is first asked for.
     mask : ndarray, shape (H, W)
         bool.
     alpha : ndarray, shape (H, W)
         float64 in [0, 1].
     fringe : ndarray, shape (H, W, 3)
-        float64, NaN except where alpha > 0 outside the mask.
+        float64, NaN except where alpha > 0 outside the mask. Made when it is first asked for.
     fringe_colors : ndarray, shape (n, 3)
         The same of these pixels alone, in row-major order.
 
@@ -55,51 +58,54 @@ class ToonImage:
     mask: BoolArray
     alpha: FloatArray = field(kw_only=True, default=None)  # type: ignore[arg-type]  # None until __post_init__
     fringe: FloatArray = field(kw_only=True, default_factory=lambda: None)  # type: ignore[arg-type,return-value]
+    pixels: FloatArray = field(init=False, repr=False)
     fringe_colors: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        color = as_array("color", self.color, (None, None, 3))
+        color = as_array("color", self.color, (None, None, 3), copy=False)
         mask = as_mask("mask", self.mask)
         same_shape("mask", mask.shape, color.shape[:2], "color")
-        inside = _check_colors("color", color[mask])
+        pixels = _check_colors("color", pixels_at(color, mask))
         shape = mask.shape
         alpha = (
             mask.astype(np.float64)
             if self.alpha is None
             else as_coverage("alpha", self.alpha, (shape[0], shape[1]))
         )
-        given = self.__dict__.pop("fringe")  # `__getattr__` makes one, of the colors, where it is asked for
-        for name, value in (("color", color), ("mask", mask), ("alpha", alpha)):
-            object.__setattr__(self, name, value)
+        given = self.__dict__.pop("fringe")  # `__getattr__` makes both images where they are asked for
+        del self.__dict__["color"]
+        self.__dict__.update(mask=mask, alpha=alpha, pixels=pixels)
         if len(self.fringe_places[0]) == 0:
             fringe = np.zeros((0, 3))
         elif given is None:
-            fringe = color[self.fringe_sources]
+            fringe = pixels[self.fringe_pixels]
         else:
             if not isinstance(given, np.ndarray):
                 given = as_array("fringe", given, (None, None, 3))
             same_shape("fringe", given.shape, color.shape, "color")
             fringe = _check_colors("fringe", as_array("fringe", given[self.fringe_places], (None, 3)))
-        color[:] = np.nan
-        color[mask] = inside
         self.__dict__["fringe_colors"] = fringe
 
     @classmethod
-    def like(cls, image: ToonImage, color: FloatArray, fringe_colors: FloatArray) -> ToonImage:
-        """Make a picture on the mask and alpha of another one, of colors (H, W, 3) and (n, 3) that need no check or copy."""
+    def like(cls, image: ToonImage, pixels: FloatArray, fringe_colors: FloatArray) -> ToonImage:
+        """Make a picture on the mask and alpha of another one, of colors (P, 3) and (n, 3) that need no check or copy."""
         picture = object.__new__(cls)
-        shared = {name: getattr(image, name) for name in ("mask", "alpha", "fringe_places", "fringe_sources")}
-        picture.__dict__.update(shared, color=color, fringe_colors=fringe_colors)
+        outline = ("mask", "alpha", "fringe_places", "fringe_sources", "fringe_pixels")
+        shared = {name: getattr(image, name) for name in outline}
+        picture.__dict__.update(shared, pixels=pixels, fringe_colors=fringe_colors)
         return picture
 
     def __getattr__(self, name: str) -> FloatArray:
-        # Few ask for the fringe as an image, which is as large as the colors.
-        if name != "fringe" or "fringe_colors" not in self.__dict__:
+        # Few ask for images of the whole frame, most of which may be NaN.
+        if name not in ("color", "fringe") or "fringe_colors" not in self.__dict__:
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        fringe = np.full_like(self.color, np.nan)
-        fringe[self.fringe_places] = self.fringe_colors
-        self.__dict__["fringe"] = fringe
-        return fringe
+        image = np.full((*self.shape, 3), np.nan)
+        if name == "color":
+            put_pixels(image, self.mask, self.pixels)
+        else:
+            image[self.fringe_places] = self.fringe_colors
+        self.__dict__[name] = image
+        return image
 
     def __repr__(self) -> str:
         return f"ToonImage({describe_object(self.mask)})"
@@ -128,10 +134,17 @@ class ToonImage:
         rows, columns = nearest_object_pixel(self.mask)
         return rows[places], columns[places]
 
+    @cached_property
+    def fringe_pixels(self) -> NDArray[np.intp]:
+        """Which of the object's pixels these are, counted in row-major order."""
+        return np.searchsorted(
+            np.flatnonzero(self.mask), np.ravel_multi_index(self.fringe_sources, self.mask.shape)
+        )
+
     def to_rgba(self) -> NDArray[np.uint8]:
         """Return the picture as 8-bit straight-alpha RGBA, shape (H, W, 4); transparent black where alpha is 0."""
         rgba = np.zeros((*self.shape, 4), np.uint8)
-        rgba[self.mask, :3] = eight_bit(self.color[self.mask])
+        put_pixels(rgba, self.mask, opaque(eight_bit(self.pixels)))
         rgba[(*self.fringe_places, slice(0, 3))] = eight_bit(self.fringe_colors)
         rgba[..., 3] = eight_bit(self.alpha)
         return rgba

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from toonkit._validation import any_array, refuse
 from toonkit.model.oklab import oklab_to_srgb
+from toonkit.model.whole_pixels import opaque, put_pixels
 
 MOST_NUMBER = 1 << 24
 """Largest number that is painted: there are no more colors than that."""
@@ -53,6 +54,5 @@ def label_picture(labels: NDArray[np.integer]) -> NDArray[np.uint8]:
     colors = oklab_to_srgb(np.column_stack([lightness, CHROMA * np.cos(hue), CHROMA * np.sin(hue)]))
     inside = labels >= 0
     rgba = np.zeros((*labels.shape, 4), np.uint8)
-    rgba[inside, :3] = np.round(np.clip(colors, 0, 1) * 255)[labels[inside]]
-    rgba[inside, 3] = 255
+    put_pixels(rgba, inside, opaque(np.round(np.clip(colors, 0, 1) * 255).astype(np.uint8))[labels[inside]])
     return rgba

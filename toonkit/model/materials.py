@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,7 +95,7 @@ class Materials:
         """Color that each material has as a whole, sRGB, shape (count, 3): the mean of its tones."""
         return np.array([tones.mean(axis=0) for tones in self.tones])
 
-    @property
+    @cached_property
     def shares(self) -> FloatArray:
         """Share of the object that each material has, shape (count,)."""
         area = np.bincount(self.labels[self.labels >= 0], minlength=self.count)

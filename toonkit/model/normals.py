@@ -21,6 +21,7 @@ from toonkit._validation import (
 )
 from toonkit.model.description import describe_object, preview_png
 from toonkit.model.normal_map_check import OFF_UNIT, NormalMapCheck, check_normal_map
+from toonkit.model.whole_pixels import pixels_at, put_pixels
 
 UNIT_TOLERANCE = 1e-3
 """A vector this close to unit length is a rounded unit vector and is renormalized; others are refused."""
@@ -50,7 +51,7 @@ class NormalField:
         given = as_array("vectors", vectors, (None, None, 3))
         self._mask = as_mask("mask", mask)
         same_shape("mask", self._mask.shape, given.shape[:2], "vectors")
-        inside = given[self._mask]
+        inside = pixels_at(given, self._mask)
         if not np.isfinite(inside).all():
             raise refuse("vectors", "must be finite on the object", "NaN or infinite components")
         largest = float(np.abs(inside).max())
@@ -99,7 +100,7 @@ class NormalField:
         """The vectors as an image: float64, shape (H, W, 3), NaN outside the mask. Made when it is first asked for."""
         if self._vectors is None:
             vectors = np.full((*self._mask.shape, 3), np.nan)
-            vectors[self._mask] = self._compact
+            put_pixels(vectors, self._mask, self._compact)
             self._vectors = vectors
         return self._vectors
 
@@ -168,13 +169,10 @@ def encode_normal_map(
     of_type("normals", normals, NormalField)
     _check_encoding(bits, green)
     steps = (2**bits - 1) / 2
-    encoded: NDArray[np.unsignedinteger] = np.empty((*normals.shape, 3), f"uint{bits}")
-    for axis, flat in enumerate((0.0, 0.0, 1.0)):
-        component = normals.compact[:, axis]
-        if axis == 1 and green == "directx":
-            component = -component
-        encoded[..., axis] = np.rint((flat + 1) * steps)
-        encoded[normals.mask, axis] = np.rint((component + 1) * steps)
+    signs = (1.0, -1.0 if green == "directx" else 1.0, 1.0)
+    encoded = np.empty((*normals.shape, 3), f"uint{bits}")
+    encoded[:] = np.rint((np.array([0.0, 0.0, 1.0]) + 1) * steps)
+    put_pixels(encoded, normals.mask, np.rint((normals.compact * signs + 1) * steps))
     return encoded
 
 

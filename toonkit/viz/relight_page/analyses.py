@@ -93,6 +93,7 @@ def answer(question: Question, evidence: Evidence, progress: Progress, kept: Kep
 
 def digest_of(image: ToonImage) -> str:
     """Return what tells a picture from others, by content."""
-    content = hashlib.blake2b(np.ascontiguousarray(image.color).tobytes(), digest_size=16)
-    content.update(np.ascontiguousarray(image.alpha).tobytes())
+    content = hashlib.blake2b(np.ascontiguousarray(image.pixels).tobytes(), digest_size=16)
+    for part in (image.mask, image.alpha):
+        content.update(np.ascontiguousarray(part).tobytes())
     return content.hexdigest()
