@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toonkit import ToonkitError
+from toonkit import ToneRamp, ToonkitError
 from toonkit.viz.relight_page import corrections as module
 from toonkit.viz.relight_page.corrections import MaterialCorrections
 
@@ -26,13 +26,13 @@ def corrections(found):
 
 def test_what_was_found_is_the_beginning(corrections, found):
     np.testing.assert_array_equal(corrections.labels, found)
-    assert (corrections.version, corrections.can_undo, corrections.can_redo) == (None, False, False)
+    assert (corrections.labels_version, corrections.can_undo, corrections.can_redo) == (None, False, False)
 
 
 def test_a_merged_material_is_gone_and_the_others_keep_their_numbers(corrections, found):
     corrections.merge(1, 0)
     np.testing.assert_array_equal(corrections.labels, np.where(found == 1, 0, found))
-    assert corrections.version is not None
+    assert corrections.labels_version is not None
 
 
 def test_a_click_of_the_brush_paints_a_disc_on_the_object_alone(corrections, found):
@@ -61,7 +61,7 @@ def test_undo_and_redo_go_through_all_corrections(corrections):
     corrections.undo()
     corrections.undo()
     corrections.undo()
-    assert (corrections.version, corrections.can_undo, corrections.can_redo) == (None, False, True)
+    assert (corrections.labels_version, corrections.can_undo, corrections.can_redo) == (None, False, True)
     for _ in range(3):
         corrections.redo()
     np.testing.assert_array_equal(corrections.labels, last)
@@ -80,9 +80,9 @@ def test_reset_returns_to_what_was_found_and_can_be_undone(corrections, found):
     corrections.merge(1, 0)
     corrections.reset()
     np.testing.assert_array_equal(corrections.labels, found)
-    assert corrections.version is None
+    assert corrections.labels_version is None
     corrections.undo()
-    assert corrections.version is not None
+    assert corrections.labels_version is not None
 
 
 def test_a_correction_that_changes_nothing_is_none(corrections):
@@ -94,20 +94,20 @@ def test_a_correction_that_changes_nothing_is_none(corrections):
 
 def test_going_back_to_a_version_keeps_what_came_after_it(corrections):
     corrections.merge(1, 0)
-    before = corrections.version
+    before = corrections.labels_version
     corrections.merge(2, 0)
     corrections.restore(before)
-    assert corrections.version == before
+    assert corrections.labels_version == before
     assert corrections.can_redo
 
 
 def test_a_version_that_was_replaced_can_be_gone_back_to(corrections):
     corrections.merge(1, 0)
-    shown = corrections.version
+    shown = corrections.labels_version
     corrections.undo()
     corrections.merge(2, 0)
     corrections.restore(shown)
-    assert corrections.version == shown
+    assert corrections.labels_version == shown
     corrections.redo()
     assert set(np.unique(corrections.labels)) == {-1, 0, 1}
 
@@ -142,3 +142,32 @@ def test_what_is_no_correction_is_refused_and_changes_nothing(corrections, chang
     with pytest.raises(ToonkitError):
         change(corrections)
     assert not corrections.can_undo
+
+
+def test_a_ramp_is_undone_and_done_again_among_other_corrections():
+    corrections = MaterialCorrections(np.array([[0, 1, 2]]))
+    ramp = ToneRamp(["#102030", "#a0b0c0"], [0.2])
+    corrections.merge(1, 0)
+    corrections.recolor(0, ramp)
+    corrections.merge(2, 0)
+    assert corrections.ramps == {0: ramp}
+    corrections.undo()
+    assert (corrections.labels.tolist(), corrections.ramps) == ([[0, 0, 2]], {0: ramp})
+    corrections.undo()
+    assert (corrections.labels.tolist(), corrections.ramps) == ([[0, 0, 2]], {})
+    corrections.redo()
+    assert corrections.ramps == {0: ramp}
+
+
+def test_a_ramp_alone_is_a_correction_but_no_other_label_map():
+    corrections = MaterialCorrections(np.array([[0, 1, 2]]))
+    corrections.recolor(1, ToneRamp(["#102030"]))
+    assert corrections.is_corrected
+    assert corrections.labels_version is None
+    corrections.recolor(1, None)
+    assert not corrections.is_corrected
+
+
+def test_only_a_material_that_exists_has_a_ramp():
+    with pytest.raises(ToonkitError, match="material must be one of the materials"):
+        MaterialCorrections(np.array([[0, 1, 2]])).recolor(3, ToneRamp(["#102030"]))

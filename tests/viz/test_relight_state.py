@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict
 from io import BytesIO
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from PIL import Image
 
 import toonkit
-from toonkit import ToonkitError, relight
+from toonkit import ToneRamp, ToonkitError, relight
 from toonkit.model.normals import encode_normal_map
 from toonkit.viz.relight_page.analyses import SAMPLES
 from toonkit.viz.relight_page.state import RelightState
@@ -237,6 +238,30 @@ def test_a_number_is_kept_where_another_material_is_gone(motley):
     assert set(np.unique(motley.labels)) == {-1, 0, 2}
     run(motley.merge(2, 0))
     assert motley.analysis.materials.count == 1
+
+
+def test_an_edited_ramp_is_in_what_is_exported_without_another_analysis(motley, monkeypatch, tmp_path):
+    monkeypatch.setattr(toonkit, "analyze", lambda *_, **__: pytest.fail("analyzed anew"))
+    ramp = ToneRamp(["#104010", "#40a040"], [0.2])
+    before = motley.relit_png().getvalue()
+    run(motley.recolor(0, asdict(ramp)))
+    path = tmp_path / "analysis.npz"
+    path.write_bytes(motley.analysis_file().getvalue())
+    found = toonkit.load_analysis(path).materials.color_maps[0]
+    assert np.array_equal(found.colors, ramp.color_map().colors)
+    assert motley.relit_png().getvalue() != before
+    run(motley.undo())
+    assert motley.relit_png().getvalue() == before
+    run(motley.redo())
+    assert motley.ramps == {0: ramp}
+
+
+def test_an_edited_ramp_stays_with_its_material_when_others_are_merged(motley):
+    ramp = ToneRamp(["#104010", "#40a040"], [0.2])
+    run(motley.recolor(2, asdict(ramp)))
+    run(motley.merge(1, 0))
+    assert motley.numbers == [0, 2]
+    assert np.array_equal(motley.recolored.materials.color_maps[1].colors, ramp.color_map().colors)
 
 
 def test_a_selected_material_is_known_by_its_place_in_the_analysis(motley):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import toonkit
 from toonkit import ToonAnalysis, ToonImage
 from toonkit.estimation.preparation import PreparedDrawing
-from toonkit.viz.relight_page.corrections import Version
+from toonkit.viz.relight_page.corrections import LabelVersion
 from toonkit.viz.turns import TURNS, Progress
 
 KEPT_ANALYSES = 6
@@ -42,7 +42,7 @@ class Question:
     digest: str
     method: str
     angles: tuple[float, ...]
-    version: Version | None = None
+    version: LabelVersion | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,14 +1,16 @@
-"""Corrections of the materials that were found: merged, painted over, undone and done again. Knows no panel."""
+"""Corrections of the materials that were found: merged, painted over, recolored, undone and done again. Knows no panel."""
 
 from __future__ import annotations
 
 import zlib
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, as_array, is_number, refuse
+from toonkit.model.tone_ramp import ToneRamp
 
 MOST_MATERIALS = 4096
 """Materials at most, for their numbers to fit in 16 bits with room to spare."""
@@ -23,8 +25,25 @@ LONGEST_STROKE = 20_000
 """Points of a stroke at most: what a hand draws in minutes."""
 
 Numbers = NDArray[np.int16]
-Version = bytes
+LabelVersion = bytes
 """One state of the label map, compressed: a drawing of 512 by 512 pixels takes a few kilobytes."""
+
+
+@dataclass(frozen=True)
+class Version:
+    """
+    One state of the corrections.
+
+    Attributes
+    ----------
+    labels : bytes
+        The label map, compressed.
+    ramps : tuple of (int, ToneRamp)
+        Materials whose ramps were edited, in rising order, with these.
+    """
+
+    labels: LabelVersion
+    ramps: tuple[tuple[int, ToneRamp], ...] = ()
 
 
 class MaterialCorrections:
@@ -57,19 +76,33 @@ class MaterialCorrections:
 
     def __init__(self, found: NDArray[np.integer]) -> None:
         self._shape = found.shape
-        self._versions = [_packed(found)]
+        self._versions = [Version(_packed(found))]
         self._position = 0
 
     @property
-    def version(self) -> Version | None:
+    def labels_version(self) -> LabelVersion | None:
         """The label map as it is now, as something to compare and to come back to; None as it was found."""
-        packed = self._versions[self._position]
-        return None if packed == self._versions[0] else packed
+        packed = self._version.labels
+        return None if packed == self._versions[0].labels else packed
+
+    @property
+    def ramps(self) -> dict[int, ToneRamp]:
+        """The edited ramps, by the number of their material."""
+        return dict(self._version.ramps)
+
+    @property
+    def is_corrected(self) -> bool:
+        """Whether anything is otherwise than it was found."""
+        return self._version != self._versions[0]
+
+    @property
+    def _version(self) -> Version:
+        return self._versions[self._position]
 
     @property
     def labels(self) -> Numbers:
         """Number of each pixel's material as it is now, shape (H, W), -1 outside the object."""
-        return self.labels_of(self.version)
+        return self.labels_of(self.labels_version)
 
     @property
     def can_undo(self) -> bool:
@@ -81,10 +114,12 @@ class MaterialCorrections:
         """Whether a correction was taken back."""
         return self._position + 1 < len(self._versions)
 
-    def labels_of(self, version: Version | None) -> Numbers:
+    def labels_of(self, version: LabelVersion | None) -> Numbers:
         """Return the label map of a version."""
         return (
-            np.frombuffer(zlib.decompress(version or self._versions[0]), np.int16).reshape(self._shape).copy()
+            np.frombuffer(zlib.decompress(version or self._versions[0].labels), np.int16)
+            .reshape(self._shape)
+            .copy()
         )
 
     def merge(self, material: int, into: int) -> None:
@@ -95,7 +130,7 @@ class MaterialCorrections:
             if number not in numbers:
                 raise refuse(name, "must be one of the materials", number)
         labels[labels == material] = into
-        self._add(labels)
+        self._add_labels(labels)
 
     def paint(self, path: Sequence[Sequence[float]], radius: float, material: int) -> None:
         """
@@ -123,11 +158,21 @@ class MaterialCorrections:
             raise refuse("material", "must be one of the materials, or the next number", material)
         covered = _stroke(points, float(radius), self._shape) & (labels >= 0)
         labels[covered] = material
-        self._add(labels)
+        self._add_labels(labels)
+
+    def recolor(self, material: int, ramp: ToneRamp | None) -> None:
+        """Give a material other tones, or, with None, those that were found."""
+        if material not in numbers_in(self.labels):
+            raise refuse("material", "must be one of the materials", material)
+        ramps = self.ramps
+        ramps.pop(material, None)
+        if ramp is not None:
+            ramps[material] = ramp
+        self._add(replace(self._version, ramps=tuple(sorted(ramps.items()))))
 
     def reset(self) -> None:
         """Return to the materials that were found; this can be undone, too."""
-        self._add(self.labels_of(None))
+        self._add(self._versions[0])
 
     def undo(self) -> None:
         """Take the last correction back, if there is one."""
@@ -137,18 +182,20 @@ class MaterialCorrections:
         """Do again what was taken back last, if anything was."""
         self._position = min(self._position + 1, len(self._versions) - 1)
 
-    def restore(self, version: Version | None) -> None:
-        """Go back to an earlier version; what came after it can be done again."""
-        packed = version or self._versions[0]
-        places = [place for place, other in enumerate(self._versions) if other == packed]
+    def restore(self, labels: LabelVersion | None) -> None:
+        """Go back to an earlier label map; what came after it can be done again."""
+        packed = labels or self._versions[0].labels
+        places = [place for place, other in enumerate(self._versions) if other.labels == packed]
         if not places:  # corrected anew since
-            self._versions.insert(self._position, packed)
+            self._versions.insert(self._position, replace(self._version, labels=packed))
             return
         self._position = min(places, key=lambda place: abs(place - self._position))
 
-    def _add(self, labels: Numbers) -> None:
-        version = _packed(labels)
-        if version == self._versions[self._position]:
+    def _add_labels(self, labels: Numbers) -> None:
+        self._add(replace(self._version, labels=_packed(labels)))
+
+    def _add(self, version: Version) -> None:
+        if version == self._version:
             return
         self._versions[self._position + 1 :] = [version]
         if len(self._versions) > MOST_STEPS + 1:
@@ -162,7 +209,7 @@ def numbers_in(labels: NDArray[np.integer]) -> list[int]:
     return numbers
 
 
-def _packed(labels: NDArray[np.integer]) -> Version:
+def _packed(labels: NDArray[np.integer]) -> LabelVersion:
     return zlib.compress(labels.astype(np.int16).tobytes(), 1)
 
 

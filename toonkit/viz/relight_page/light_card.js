@@ -25,10 +25,12 @@ function anglesUnder(x, y, previousAzimuth) {
   return [azimuth, Math.acos(Math.min(radius, 1)) * 180 / Math.PI]
 }
 
-// The color map that a ball shows, samples and domain: that of the largest material whose shading was painted.
-function shownMap(maps, materials) {
+// The color map that a ball shows, samples and domain: that of the largest material whose shading was painted, or its edited
+// ramp.
+function shownMap(maps, materials, edited) {
   const count = materials.length / 8
   const row = Math.max([...Array(count).keys()].findIndex((number) => materials[8 * number + 3] === 0), 0)
+  if (edited[row]) { return [writeRamp(edited[row], RAMP_SAMPLES, new Float32Array(4 * RAMP_SAMPLES)), [-1, 1]] }
   const start = row * maps.length / count
   return [maps.subarray(start, start + 4 * (materials[8 * row + 2] + 1)), materials.subarray(8 * row, 8 * row + 2)]
 }

@@ -1,6 +1,5 @@
 // The materials of the drawing: shown over it, one swatch each, merged into each other and painted.
 
-const RAMP_STOPS = 48
 const DRAG_PIXELS = 6  // from which on a press on a swatch drags it
 const ICONS = Object.fromEntries(Object.entries({
   brush: "M20 4 11.5 12.5M9 12.5a3.5 3.5 0 0 1 2.5 5C10 20.5 6.5 21 3 19.5c2-1 1.5-3 2.2-4.8C5.8 13.2 7.5 12.3 9 12.5z",
@@ -13,32 +12,31 @@ const HINTS = {
   brush: "Paint what belongs to it", fresh: "Paint the new material",
 }
 
-// The colors of a material from the darkest illumination to the brightest, as a CSS background.
-function rampOf(maps, materials, row) {
-  const count = materials.length / 8
-  const [low, high, last] = materials.subarray(8 * row, 8 * row + 3)
-  const stops = Array.from({length: RAMP_STOPS}, (_, stop) => {
-    const t = clamp((2 * stop / (RAMP_STOPS - 1) - 1 - low) / (high - low), 0, 1) * last
-    const start = row * maps.length / count + 4 * Math.round(t)
-    return `rgb(${[0, 1, 2].map((k) => Math.round(255 * maps[start + k])).join(" ")})`
-  })
-  return `linear-gradient(to right, ${stops.join(", ")})`
-}
-
-// `told` is called with what the user does: select, merge, paint, undo, redo, reset.
-function materialsEditor({root, card, stage}, told) {
+// `told` is called with what the user does: select, merge, paint, recolor, undo, redo, reset; `shown` with the edited ramps, by
+// number, while one of them is being changed.
+function materialsEditor({root, card, stage}, told, shown) {
   const map = labelMap(stage)
   const ring = element(stage, "div", "ring")
   const panel = element(card, "div", "materials")
   const tools = element(panel, "div", "tools")
   const swatches = element(panel, "div", "swatches")
+  const rampOf = (number) => edited.get(number) ?? found.get(number)?.ramp ?? null
+  const ramp = rampEditor(panel, {
+    shown: (next) => { edited.set(selected, next); showRamps() },
+    changed: (next) => {
+      if (next === null) { edited.delete(selected) }
+      showRamps()
+      told("recolor", {material: selected, ramp: next})
+    },
+  })
   const hint = card.querySelector("header p")
   const lightHint = hint.textContent
   swatches.setAttribute("role", "group")
   swatches.setAttribute("aria-label", "Materials")
   hint.setAttribute("aria-live", "polite")
   let open = false, selected = -1, hovered = -1, merging = false, brushing = false
-  let dragged = null, moved = false, stroke = null, ramps = new Map()
+  let dragged = null, moved = false, stroke = null
+  let found = new Map(), edited = new Map()  // ramps as drawn and whether they are flat; and those that are edited
 
   const tool = (name, text, tip, onClick) => {
     const node = element(tools, "button", name, `${ICONS[name] ?? ""}${text}`)
@@ -88,6 +86,7 @@ function materialsEditor({root, card, stage}, told) {
     scheduled = false
     if (!open) { return }
     map.draw(focus())
+    ramp.load(rampOf(selected), edited.has(selected))
     const state = merging ? "merge" : brushing ? selected === fresh() ? "fresh" : "brush" : selected >= 0 ? "chosen" : "none"
     if (hint.textContent !== HINTS[state]) { hint.textContent = HINTS[state] }
     stage.dataset.tool = brushing ? "brush" : "pick"
@@ -112,14 +111,22 @@ function materialsEditor({root, card, stage}, told) {
     const order = [...areas.keys()].sort((one, other) => areas.get(other) - areas.get(one) || one - other)
     const focused = swatches.querySelector(":focus")?.dataset.number
     swatches.replaceChildren(...order.map((number, place) => {
-      const {ramp, flat} = ramps.get(number) ?? {ramp: tint(number), flat: false}
+      const flat = found.get(number)?.flat || edited.get(number)?.stays_flat
       const share = 100 * areas.get(number) / total
       const words = `Material ${place + 1} of ${order.length}, ${share < 1 ? "below 1" : Math.round(share)} %${flat ? ", flat" : ""}`
-      return swatch(number, words, `<i style="background: ${ramp}"></i><b style="background: ${tint(number)}"></b>`)
+      return swatch(number, words, `<i style="background: ${backgroundOf(number)}"></i><b style="background: ${tint(number)}"></b>`)
     }), swatch(fresh(), "New material", "+"))
     swatches.lastChild.classList.add("new")
     rove(swatches.children[0])
     if (focused !== undefined) { swatches.querySelector(`[data-number="${focused}"]`)?.focus() }
+  }
+  const backgroundOf = (number) => rampOf(number) ? rampBackground(rampOf(number)) : tint(number)
+  function showRamps() {
+    ramp.load(rampOf(selected), edited.has(selected))
+    for (const node of swatches.querySelectorAll(".swatch:not(.new) i")) {
+      node.style.background = backgroundOf(Number(node.parentNode.dataset.number))
+    }
+    shown(edited)
   }
   function swatch(number, words, content) {
     const node = document.createElement("button")
@@ -290,14 +297,18 @@ function materialsEditor({root, card, stage}, told) {
       if (number >= 0 || selected !== fresh()) { selected = number }
       update()
     },
-    // The label map of a drawing, and what is known of its materials, in the order of their numbers.
-    load(width, height, labels, maps, materials) {
+    // Takes the edited ramps, by number, unless one is being changed.
+    recolor(next) {
+      if (ramp.busy) { return }
+      edited = next
+      showRamps()
+    },
+    // The label map of a drawing, and what is known of its materials: the ramp of each number, and whether it is flat.
+    load(width, height, labels, next) {
       map.load(width, height, labels)
-      ramps = new Map(map.numbers().map((number, row) => [
-        number, {ramp: rampOf(maps, materials, row), flat: materials[8 * row + 3] > 0},
-      ]))
+      found = next
       if (stroke) { stroke.path.forEach((to, k) => map.paint(stroke.path[Math.max(k - 1, 0)], to, stroke.radius, selected)) }
-      if (selected >= 0 && !ramps.has(selected) && !(brushing && selected === fresh())) { [selected, brushing] = [-1, false] }
+      if (selected >= 0 && !found.has(selected) && !(brushing && selected === fresh())) { [selected, brushing] = [-1, false] }
       fill()
       update()
     },

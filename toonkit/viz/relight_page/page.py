@@ -77,6 +77,7 @@ def stage(state: RelightState) -> RelightView:
 
     pn.bind(arrive, state.param.step, state.param.settled, watch=True)
     state.param.watch(lambda event: view.show(event.new, state.labels), "analysis")
+    state.param.watch(lambda event: view.recolor(event.new), "ramps")
     return view
 
 
@@ -95,6 +96,7 @@ def _answer(state: RelightState) -> Callable[[DataEvent], Awaitable[None]]:
         "cancel": cancel,
         "merge": state.merge,
         "paint": state.paint,
+        "recolor": state.recolor,
         "undo": state.undo,
         "redo": state.redo,
         "reset": state.reset_materials,
@@ -203,7 +205,7 @@ def _has_flat_materials(analysis: ToonAnalysis | None) -> bool:
 
 
 def downloads(state: RelightState) -> pn.Column:
-    """Return the two download buttons."""
+    """Return the download buttons."""
     buttons = [
         pmui.FileDownload(
             callback=make,
@@ -217,6 +219,7 @@ def downloads(state: RelightState) -> pn.Column:
         for label, filename, make in (
             ("Relit picture", "relit.png", state.relit_png),
             ("Normal map", "normal_map.png", state.normal_map_png),
+            ("Whole analysis", "analysis.npz", state.analysis_file),
         )
     ]
     return pn.Column(heading("Download"), *buttons, **WIDE)

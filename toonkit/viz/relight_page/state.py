@@ -6,10 +6,12 @@ import asyncio
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from io import BytesIO
-from typing import TypeVar
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, TypeVar
 
 import numpy as np
 import param
@@ -21,9 +23,10 @@ from toonkit import ToonAnalysis, ToonImage
 from toonkit._validation import collect_warnings, refuse
 from toonkit.model.luminance import color_of_hex
 from toonkit.model.normals import encode_normal_map
+from toonkit.model.tone_ramp import ToneRamp
 from toonkit.samples import sample_light, sample_path
 from toonkit.viz.relight_page.analyses import SAMPLES, Evidence, Kept, Question, answer, digest_of
-from toonkit.viz.relight_page.corrections import MaterialCorrections, Numbers, Version, numbers_in
+from toonkit.viz.relight_page.corrections import LabelVersion, MaterialCorrections, Numbers, numbers_in
 from toonkit.viz.turns import TURNS, Progress
 
 METHOD_DESCRIPTIONS = {
@@ -83,6 +86,7 @@ class RelightState(param.Parameterized):
     can_undo = param.Boolean(False, doc="Whether a correction of the materials can be undone.")
     can_redo = param.Boolean(False, doc="Whether one can be done again.")
     corrected = param.Boolean(False, doc="Whether the materials wished for are others than those found.")
+    ramps = param.Dict({}, doc="Edited ramps, a `ToneRamp` for each number of a material that has one.")
     settled = param.Integer(
         0, doc="How many corrections are done with: analyzed, refused, or overtaken by others."
     )
@@ -96,7 +100,7 @@ class RelightState(param.Parameterized):
         self._own: Kept = OrderedDict()
         self._corrections: OrderedDict[str, MaterialCorrections] = OrderedDict()
         self._digest = ""
-        self._version: Version | None = None  # of the materials on screen; None as found
+        self._version: LabelVersion | None = None  # of the materials on screen; None as found
 
     async def open_sample(self, name: str) -> None:
         """Open a drawing that ships with toonkit, under its own light."""
@@ -170,6 +174,12 @@ class RelightState(param.Parameterized):
         """Give what a brush covers to a material, and analyze the drawing with it: see `MaterialCorrections.paint`."""
         await self._correct(lambda corrections: corrections.paint(path, radius, material))
 
+    async def recolor(self, material: int, ramp: Mapping[str, Any] | None) -> None:
+        """Give a material the tones of a `ToneRamp` with these arguments; None gives it back those it is drawn with."""
+        await self._correct(
+            lambda corrections: corrections.recolor(material, None if ramp is None else ToneRamp(**ramp))
+        )
+
     async def undo(self) -> None:
         """Take the last correction back."""
         await self._correct(MaterialCorrections.undo)
@@ -199,11 +209,21 @@ class RelightState(param.Parameterized):
         with param.parameterized.discard_events(self):
             self.analysis = None
 
+    @property
+    def recolored(self) -> ToonAnalysis:
+        """The analysis on screen, with the edited ramps."""
+        analysis: ToonAnalysis = self.analysis
+        if not self.ramps:
+            return analysis
+        places = {number: place for place, number in enumerate(self.numbers)}
+        ramps = {places[number]: ramp for number, ramp in self.ramps.items() if number in places}
+        return analysis.recolored(ramps)
+
     def relit(self) -> ToonImage:
         """Return the picture on screen under the new light."""
         light = toonkit.light_direction(*self.new_light)
         return toonkit.relight(
-            self.analysis,
+            self.recolored,
             light,
             keep_detail=self.keep_detail,
             flat_shading=self.flat_shading,
@@ -221,9 +241,16 @@ class RelightState(param.Parameterized):
         coverage = np.where(normals.mask, 255, 0).astype(np.uint8)
         return _png_file(np.dstack([encode_normal_map(normals), coverage]))
 
+    def analysis_file(self) -> BytesIO:
+        """Return the whole analysis, edited ramps included, as a file that `toonkit.load_analysis` reads."""
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / "analysis.npz"
+            self.recolored.save(path)
+            return BytesIO(path.read_bytes())
+
     @property
     def _wish(self) -> tuple[object, ...]:
-        return self.method, self.original_light, self.corrections.version
+        return self.method, self.original_light, self.corrections.labels_version
 
     @property
     def _fulfilled(self) -> tuple[object, ...]:
@@ -243,14 +270,18 @@ class RelightState(param.Parameterized):
 
     def _show_corrections(self) -> None:
         corrections = self.corrections
-        corrected = corrections.version is not None
-        self.param.update(can_undo=corrections.can_undo, can_redo=corrections.can_redo, corrected=corrected)
+        self.param.update(
+            can_undo=corrections.can_undo,
+            can_redo=corrections.can_redo,
+            corrected=corrections.is_corrected,
+            ramps=corrections.ramps,
+        )
 
     async def _analyze(self, image: ToonImage, angles: list[float] | None, *, sample: str) -> None:
         shown = self.analysis if self.analysis is not None and self.analysis.image is image else None
         digest = digest_of(image) if shown is None else self._digest
         corrections = self._corrections.get(digest)
-        version = None if corrections is None else corrections.version
+        version = None if corrections is None else corrections.labels_version
         question = Question(digest, self.method, tuple(angles or ()), version)
         kept = SAMPLES if sample and version is None else self._own
         analysis = kept.get(question)

@@ -104,9 +104,9 @@ function render({model}) {
     }
     pending += 1
     editor.showBusy(true)
-    if (action === "merge" || action === "paint") { editor.allow([true, false, true]) }
+    if (["merge", "paint", "recolor"].includes(action)) { editor.allow([true, false, true]) }
     model.send_msg({action, ...details})
-  })
+  }, recolor)
   const modes = element(drawing.card.querySelector("header"), "div", "modes")
   const modeButtons = [["Light", false], ["Materials", true]].map(([text, editing]) => {
     const button = element(modes, "button", "", text)
@@ -121,13 +121,28 @@ function render({model}) {
   }
   // Shows what Python knows, once it has answered all that was changed here.
   async function showMaterials() {
-    const [deflated, maps, materials] = [bytes(model.labels).slice(), floats(model.color_maps), floats(model.materials)]
+    const [deflated, materials] = [bytes(model.labels).slice(), floats(model.materials)]
     const [width, height] = model.picture_size
     if (!editor.open || pending > 0 || deflated.length === 0) { return }
     const labels = await inflated(deflated)
     if (pending === 0 && width === model.picture_size[0] && labels.length === width * height) {
-      editor.load(width, height, labels, maps, materials)
+      editor.load(width, height, labels, new Map(model.numbers.map((number, row) => [
+        number, {ramp: model.found_ramps[row], flat: materials[8 * row + 3] > 0},
+      ])))
+      takeRamps()
     }
+  }
+  const takeRamps = () => {
+    if (pending === 0) { editor.recolor(new Map(Object.entries(model.edited_ramps).map(([number, ramp]) => [Number(number), ramp]))) }
+  }
+  // Paints the materials that have an edited ramp, by number, with it: nothing of this waits for Python.
+  function recolor(ramps) {
+    const materials = floats(model.materials)
+    const rows = model.numbers.map((number) => ramps.get(number))
+    if (materials.length !== 8 * rows.length) { return }
+    shader?.recolor(rows.some((ramp) => ramp) ? recoloredRows(rows, materials) : null)
+    for (const ball of [lightBall, originalBall]) { ball.load(...shownMap(floats(model.color_maps), materials, rows)) }
+    scheduleAll()
   }
   const allow = () => editor.allow([model.can_undo, model.can_redo, model.corrected])
 
@@ -192,8 +207,8 @@ function render({model}) {
     ;[source.width, source.height] = [width, height]
     source.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(color), width, height), 0, 0)
     for (const card of [drawing, relit]) { card.picture.classList.toggle("pixels", Math.max(width, height) <= 160) }
-    for (const ball of [lightBall, originalBall]) { ball.load(...shownMap(maps, materials)) }
     shader?.load({width, height, color, normals, parts, mixtures, maps, materials, ramps})
+    takeRamps()
     originalMoved = true
     draw()
     showMaterials()
@@ -210,7 +225,7 @@ function render({model}) {
   for (const name of ["step", "fraction"]) { model.on(`change:${name}`, showProgress) }
   model.on("change:idle", () => busy.classList.remove("on"))
   for (const name of [
-    "color", "normals", "parts", "mixtures", "color_maps", "materials", "ramps", "picture_size", "analyzed_light", "labels",
+    "color", "normals", "parts", "mixtures", "color_maps", "materials", "ramps", "picture_size", "analyzed_light", "labels", "numbers",
   ]) {
     model.on(`change:${name}`, scheduleReload)
   }
@@ -218,9 +233,10 @@ function render({model}) {
   model.on("change:settled", () => {
     ;[pending, settled] = [Math.max(pending - (model.settled - settled), 0), model.settled]
     editor.showBusy(pending > 0)
-    if (pending === 0) { allow() }
+    if (pending === 0) { allow(); takeRamps() }
     setTimeout(showMaterials)
   })
+  model.on("change:edited_ramps", takeRamps)
   for (const name of ["can_undo", "can_redo", "corrected"]) { model.on(`change:${name}`, allow) }
   const showFallback = () => showImage(relit.pictureImage, bytes(model.fallback_picture))
   model.on("change:fallback_picture", showFallback)

@@ -7,6 +7,7 @@ A drag never waits for Python: the fragment shader in `shader.js` evaluates the 
 from __future__ import annotations
 
 import zlib
+from collections.abc import Mapping
 from dataclasses import asdict
 from io import BytesIO
 from pathlib import Path
@@ -21,10 +22,21 @@ from PIL import Image
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.light import light_direction
 from toonkit.model.luminance import color_of_hex
+from toonkit.model.tone_ramp import ToneRamp
 from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, FULL_TURN, HIGHLIGHT_RANGE, relight
+from toonkit.viz.relight_page.corrections import numbers_in
 from toonkit.viz.relight_page.textures import encode_textures
 
-MODULES = ("shader.js", "light_card.js", "label_map.js", "materials_editor.js", "view_style.js", "view.js")
+MODULES = (
+    "shader.js",
+    "light_card.js",
+    "label_map.js",
+    "tone_ramp.js",
+    "ramp_editor.js",
+    "materials_editor.js",
+    "view_style.js",
+    "view.js",
+)
 """Parts of the one JavaScript module, in order: a module that imports others would have to be served from somewhere."""
 
 TEXTURES = ("color", "normals", "parts", "mixtures", "color_maps", "materials", "ramps")
@@ -40,8 +52,8 @@ class RelightView(pn.custom.JSComponent):
     The picture as drawn and as relit, with light balls and sliders.
 
     Call `show` with each new analysis. `on_msg` delivers what its user asks for: `{"action": "estimate"}`, `cancel`,
-    `undo`, `redo`, `reset`, `merge` with `material` and `into`, and `paint` with `path`, `radius` and `material`, as
-    `MaterialCorrections` takes them. Each of the last five is answered by one more in `settled`.
+    `undo`, `redo`, `reset`, `merge` with `material` and `into`, `paint` with `path`, `radius` and `material`, and `recolor`
+    with `material` and `ramp`, as `RelightState` takes them. Each of the last six is answered by one more in `settled`.
 
     Examples
     --------
@@ -90,6 +102,13 @@ class RelightView(pn.custom.JSComponent):
     labels = param.Bytes(
         b"", doc="Number of each pixel's material, 0xffff outside the object: uint16, deflated."
     )
+    numbers = param.List(
+        [], item_type=int, doc="Numbers of the materials, in the order of their texture rows."
+    )
+    found_ramps = param.List(
+        [], item_type=dict, doc="The `ToneRamp` that describes each material as it is drawn."
+    )
+    edited_ramps = param.Dict({}, doc="That of each material that has another one, by its number as a text.")
     selected = param.Integer(-1, doc="Number of the chosen material; -1 for none.")
     can_undo = param.Boolean(False, doc="Whether a correction can be undone.")
     can_redo = param.Boolean(False, doc="Whether one can be done again.")
@@ -100,6 +119,7 @@ class RelightView(pn.custom.JSComponent):
 
     def __init__(self, **params: Any) -> None:
         self._analysis: ToonAnalysis | None = None
+        self._ramps: Mapping[int, ToneRamp] = {}
         super().__init__(**{"sizing_mode": "stretch_width", **params})
 
     def show(self, analysis: ToonAnalysis, labels: NDArray[np.integer] | None = None) -> None:
@@ -120,11 +140,26 @@ class RelightView(pn.custom.JSComponent):
         angles = list(textures.pop("analyzed_light"))
         self.param.update(
             **textures,
+            numbers=numbers_in(labels),
+            found_ramps=[asdict(ToneRamp.of(color_map)) for color_map in analysis.materials.color_maps],
             labels=zlib.compress(labels.astype("<i2").tobytes(), 1),  # a few kilobytes
             picture_size=size,
             analyzed_light=angles,
             original_light=[round(angle, 3) for angle in angles],  # as RelightState has it
         )
+        self._paint()
+
+    def recolor(self, ramps: Mapping[int, ToneRamp]) -> None:
+        """
+        Paint some materials in other tones.
+
+        Parameters
+        ----------
+        ramps : mapping of int to ToneRamp
+            Tones by the number of a material, of which there may be others than those on screen.
+        """
+        self._ramps = ramps
+        self.edited_ramps = {str(number): asdict(ramp) for number, ramp in ramps.items()}
         self._paint()
 
     def close(self) -> None:
@@ -146,8 +181,9 @@ class RelightView(pn.custom.JSComponent):
         analysis = self._analysis
         if self.webgl or analysis is None:
             return
+        places = {number: place for place, number in enumerate(self.numbers)}
         relit = relight(
-            analysis,
+            analysis.recolored({places[k]: ramp for k, ramp in self._ramps.items() if k in places}),
             light_direction(*self.new_light),
             keep_detail=self.keep_detail,
             flat_shading=self.flat_shading,

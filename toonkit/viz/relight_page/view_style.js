@@ -77,7 +77,7 @@ button svg { width: 15px; height: 15px; fill: currentColor; margin-left: -3px; }
 .editing .materials { display: flex; }
 .editing .label-map { display: block; }
 .editing .controls, .editing .sun { display: none; }
-.materials { flex-direction: column; gap: 10px; padding: 12px 16px; border-top: 1px solid var(--line); height: 141px; }
+.materials { flex-direction: column; gap: 10px; padding: 12px 16px; border-top: 1px solid var(--line); height: 224px; }
 .tools { display: flex; gap: 8px; align-items: center; }
 .tools button { padding: 4px 10px; min-height: 30px; }
 .tools .undo, .tools .redo { padding: 4px 6px; }
@@ -96,6 +96,27 @@ button:disabled { opacity: .4; cursor: default; background: transparent; }
 .swatch[aria-pressed=true] { box-shadow: 0 0 0 2px var(--paper), 0 0 0 4px var(--accent); }
 .swatch.new { border: 1.5px dashed color-mix(in srgb, var(--ink) 40%, transparent); justify-content: center; font-size: 18px; }
 .swatch.ghost { position: absolute; left: -28px; top: -15px; width: 56px; z-index: 3; pointer-events: none; box-shadow: 0 4px 14px rgba(0, 0, 0, .5); }
+.swatches { flex: 1; min-height: 38px; }
+.ramp-editor { position: relative; display: grid; gap: 8px; padding-top: 10px; border-top: 1px solid var(--line); }
+.ramp-editor.none > :not(.no-ramp) { visibility: hidden; }
+.no-ramp { position: absolute; inset: 0; margin: 0; display: grid; place-items: center; color: var(--soft); visibility: hidden; }
+.ramp-editor.none .no-ramp { visibility: visible; }
+.strip { position: relative; height: 24px; margin: 0 8px; border-radius: 6px; box-shadow: inset 0 0 0 1px rgba(0, 0, 0, .28); touch-action: none; }
+.threshold { position: absolute; top: -3px; width: 12px; height: 30px; margin-left: -6px; padding: 0; border-radius: 4px; cursor: ew-resize;
+  background: #fff; border: 2px solid #55555c; box-shadow: 0 1px 3px rgba(0, 0, 0, .5); touch-action: none; }
+.threshold:hover { background: #fff; }
+.threshold.active { border-color: var(--accent); }
+.ramp-row { display: flex; align-items: center; gap: 6px 10px; flex-wrap: wrap; min-height: 28px; }
+.tones { display: flex; gap: 4px; }
+.tones input { width: 26px; height: 26px; padding: 0; border: 0; border-radius: 6px; background: none; cursor: pointer; overflow: hidden; }
+.tones input::-webkit-color-swatch-wrapper { padding: 0; }
+.tones input::-webkit-color-swatch { border: 1px solid rgba(0, 0, 0, .3); border-radius: 6px; }
+.ramp-row .add { width: 26px; height: 26px; padding: 0; justify-content: center; border-style: dashed; margin-left: -6px; }
+.softness { display: flex; align-items: center; gap: 8px; flex: 1 1 100px; max-width: 220px; color: var(--soft); }
+.stays { display: flex; align-items: center; gap: 6px; cursor: pointer; white-space: nowrap; }
+.stays input { accent-color: var(--accent); margin: 0; width: 15px; height: 15px; }
+.reset-ramp { padding: 4px; }
+.reset-ramp svg { fill: none; stroke: currentColor; stroke-width: 2; stroke-linecap: round; stroke-linejoin: round; margin: 0; }
 .label-map { position: absolute; pointer-events: none; }
 .editing .stage { cursor: pointer; }
 .editing .stage[data-tool=brush] { cursor: none; }
@@ -108,7 +129,7 @@ button:disabled { opacity: .4; cursor: default; background: transparent; }
   .stage { height: min(84cqw, 420px); }
   .ball-box { width: 92px; height: 92px; }
   .materials { height: auto; }
-  .swatches { max-height: 198px; }
+  .swatches { flex: none; max-height: 198px; }
 }
 @container (min-width: 601px) and (max-width: 850px) {
   .card header p { display: none; }
