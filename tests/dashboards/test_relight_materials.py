@@ -118,6 +118,7 @@ def test_a_part_that_is_clicked_is_chosen_here_and_in_the_color_map_tab(material
     expect(cards.nth(1)).to_have_attribute("aria-checked", "true")
     cards.nth(0).click()
     expect(swatches(materials_page).nth(0)).to_have_attribute("aria-pressed", "true")
+    materials_page.locator(".card.original header").scroll_into_view_if_needed()
     materials_page.mouse.click(*place(materials_page, BALL))
     expect(materials_page.locator(".swatch[aria-pressed=true]")).to_have_count(0)
 
@@ -265,7 +266,6 @@ def test_on_a_narrow_page_materials_are_corrected_above_the_tabs(browser, religh
     page = browser.new_page(viewport={"width": 420, "height": 800})
     page.goto(relight_url)
     page.wait_for_selector(".relight:not(.empty)", timeout=START_SECONDS * 1000)
-    page.keyboard.press("Escape")  # closes the sidebar
     page.get_by_role("button", name="Materials", exact=True).click()
     swatches(page).nth(1).click()
     expect(swatches(page).nth(1)).to_have_attribute("aria-pressed", "true")

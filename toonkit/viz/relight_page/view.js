@@ -2,6 +2,7 @@
 //
 // Import-free, so that the same module serves Panel and a notebook without a network: view.py puts the other files first.
 
+const NARROW_PIXELS = 600  // width of a window up to which the sidebar of the page lies over it
 const SEND_EVERY_MS = 100
 const ORBIT_DEGREES_PER_SECOND = 50
 const ORBIT_HIGHEST = 65  // degrees: a light straight ahead would circle without anything moving
@@ -164,6 +165,9 @@ function render({model}) {
   const drawn = shader !== null
   root.classList.toggle("no-webgl", !drawn)
   if (model.webgl !== drawn) { model.webgl = drawn }
+
+  const narrow = window.innerWidth < NARROW_PIXELS
+  if (model.narrow !== narrow) { model.narrow = narrow }
 
   function draw() {
     scheduled = false

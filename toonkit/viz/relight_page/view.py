@@ -97,6 +97,7 @@ class RelightView(pn.custom.JSComponent):
     )
 
     webgl = param.Boolean(True, doc="Whether the browser has WebGL2; told by the browser.")
+    narrow = param.Boolean(False, doc="Whether the window is as narrow as a phone; told by the browser.")
     fallback_picture = param.Bytes(b"", doc="PNG of the relit picture, only without WebGL2.")
 
     labels = param.Bytes(
