@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from toonkit._validation import BoolArray, FloatArray, as_labels, of_type, refuse
+from toonkit._validation import BoolArray, FloatArray, as_labels, as_marks, of_type, refuse
 from toonkit.estimation.inflation import inflate_islands
 from toonkit.estimation.islands import Island, find_islands, with_surroundings
 from toonkit.estimation.overview import ReducedPaint, reduce_paint
 from toonkit.estimation.painted_tones import PaintedTones
 from toonkit.estimation.shading_ratio import GrayPaint, PaintedMaterial, gray_paint
 from toonkit.illustration.frame import Frame
-from toonkit.illustration.ink import Ink, find_ink
+from toonkit.illustration.ink import Ink, find_ink, told_ink
 from toonkit.illustration.materials import FoundMaterials, label_materials, shows_one_ramp
 from toonkit.illustration.mixed_pixels import MixedPixels, mixtures
 from toonkit.illustration.noise import without_noise
@@ -34,10 +34,13 @@ MOST_PIXELS = 25_000_000
 TELLING, TELLING_SHARE = 4, 0.25
 """Islands from which the light is estimated, at most, and the least area of one relative to the largest."""
 
-WHATEVER_MATERIALS = (
-    "grid", "islands", "telling_islands", "_coverage", "frame", "is_pixel_art", "ink", "inked", "initial_normals"
+WHATEVER_IS_TOLD = (
+    "grid", "islands", "telling_islands", "_coverage", "frame", "is_pixel_art", "found_ink", "initial_normals"
 )  # fmt: skip
-"""Parts of a prepared drawing that do not depend on its materials."""
+"""Parts of a prepared drawing that do not depend on what somebody knows of it."""
+
+WHATEVER_MATERIALS = ("ink", "inked")
+"""Parts that do not depend on its materials and highlights."""
 
 
 class PreparedDrawing:
@@ -55,14 +58,22 @@ class PreparedDrawing:
         The drawing.
     materials : array_like of int, shape (H, W), optional
         Its materials, if somebody knows them: see `prepare`.
+    ink, highlights : array_like of bool, shape (H, W), optional
+        Its ink and its highlights, if somebody knows them.
 
     Raises
     ------
     ToonkitError
-        If the object has more than `MOST_PIXELS` pixels, or the materials are none.
+        If the object has more than `MOST_PIXELS` pixels, or the materials, ink or highlights are none.
     """
 
-    def __init__(self, image: ToonImage, materials: ArrayLike | None = None) -> None:
+    def __init__(
+        self,
+        image: ToonImage,
+        materials: ArrayLike | None = None,
+        ink: ArrayLike | None = None,
+        highlights: ArrayLike | None = None,
+    ) -> None:
         pixels = int(np.count_nonzero(image.mask))
         if pixels > MOST_PIXELS:
             raise refuse(
@@ -73,14 +84,19 @@ class PreparedDrawing:
         self.image = image
         self.box = bounding_box(image.mask)
         self._given_labels = None if materials is None else as_labels("materials", materials, image.mask)
+        self.given_ink = None if ink is None else as_marks("ink", ink, image.mask)
+        self.given_highlights = None if highlights is None else as_marks("highlights", highlights, image.mask)
 
     def __repr__(self) -> str:
         return f"PreparedDrawing({describe_object(self.mask)})"
 
-    def with_materials(self, materials: ArrayLike) -> PreparedDrawing:
-        """Return the drawing with other materials, as `prepare` takes them; they share what does not depend on them."""
-        other = PreparedDrawing(self.image, materials)
-        for name in WHATEVER_MATERIALS:
+    def told(
+        self, materials: ArrayLike | None, ink: ArrayLike | None, highlights: ArrayLike | None
+    ) -> PreparedDrawing:
+        """Return the drawing with other materials, ink and highlights; they share what does not depend on these."""
+        other = PreparedDrawing(self.image, materials, ink, highlights)
+        same_ink = self.given_ink is None and other.given_ink is None
+        for name in (*WHATEVER_IS_TOLD, *(WHATEVER_MATERIALS if same_ink else ())):
             if name in self.__dict__:
                 other.__dict__[name] = self.__dict__[name]
         return other
@@ -117,6 +133,13 @@ class PreparedDrawing:
 
     @cached_property
     def ink(self) -> Ink:
+        """The lines over the paint, on the object's frame: those that are given, or else those that are found."""
+        if self.given_ink is None:
+            return self.found_ink
+        return told_ink(self.found_ink, self.frame.cut(self.given_ink[self.box]), self.frame)
+
+    @cached_property
+    def found_ink(self) -> Ink:
         """The lines over the paint, on the object's frame. What one shaded material explains without any has none."""
         ink = find_ink(self.frame, hard_edges=self.is_pixel_art)
         if ink.coverage.any() and not ink.outlined and shows_one_ramp(self.frame, self.framed_normals):
@@ -259,14 +282,22 @@ class PreparedDrawing:
 
     @cached_property
     def _found(self) -> FoundMaterials:
-        labels = None
+        labels = highlights = None
         if self._given_labels is not None:
             labels = self.frame.cut(self._given_labels[self.box])
-        return label_materials(self.frame, self.ink.coverage, self.framed_normals, labels=labels)
+        if self.given_highlights is not None:
+            highlights = self.frame.cut(self.given_highlights[self.box])
+        return label_materials(
+            self.frame, self.ink.coverage, self.framed_normals, labels=labels, highlights=highlights
+        )
 
 
 def prepare(
-    drawing: ToonImage | PreparedDrawing, *, materials: ArrayLike | Materials | None = None
+    drawing: ToonImage | PreparedDrawing,
+    *,
+    materials: ArrayLike | Materials | None = None,
+    ink: ArrayLike | None = None,
+    highlights: ArrayLike | None = None,
 ) -> PreparedDrawing:
     """
     Prepare a drawing for analysis.
@@ -274,9 +305,15 @@ def prepare(
     Parameters
     ----------
     drawing : ToonImage or PreparedDrawing
-        The drawing; one that is prepared returns as it is, unless other materials are given.
+        The drawing; one that is prepared returns as it is, unless materials, ink or highlights are given.
     materials : array_like of int, shape (H, W), or Materials, optional
         Number of the material of each pixel, 0 and up, and -1 where that is left to toonkit; ignored outside the mask.
+        Found if not given.
+    ink : array_like of bool, shape (H, W), optional
+        True where lines cover the paint, if only in part; found if not given. Where lines are found, too, their soft edges
+        stay; elsewhere the ink is opaque.
+    highlights : array_like of bool, shape (H, W), optional
+        True where the paint shows a highlight, or a cast shadow: what lies on the paint and says nothing about the shape.
         Found if not given.
 
     Returns
@@ -287,14 +324,17 @@ def prepare(
     Raises
     ------
     ToonkitError
-        If the drawing is neither, its object has more than `MOST_PIXELS` pixels, or the materials are no such numbers.
+        If the drawing is neither, its object has more than `MOST_PIXELS` pixels, or the materials, the ink or the highlights
+        are no such arrays.
     """
     if isinstance(materials, Materials):
         materials = materials.labels
     if isinstance(drawing, PreparedDrawing):
-        return drawing if materials is None else drawing.with_materials(materials)
+        if materials is None and ink is None and highlights is None:
+            return drawing
+        return drawing.told(materials, ink, highlights)
     of_type("image", drawing, ToonImage)
-    return PreparedDrawing(drawing, materials)
+    return PreparedDrawing(drawing, materials, ink, highlights)
 
 
 def find_materials(image: ToonImage | PreparedDrawing) -> Materials:

@@ -49,6 +49,9 @@ MOST_COLORS = 1 << 22
 MOST_ENERGIES, MOST_CHARACTERS = 1_000_000, 10_000
 """Energies in a report, and characters in a text, at most."""
 
+GIVEN = ("ink", "highlights")
+"""What somebody may have told of the drawing, as arrays of bools, one for each pixel of the object."""
+
 DRAWN = "drawn_"
 """What the names of arrays begin with that describe the materials as drawn, where they are recolored."""
 
@@ -101,6 +104,10 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
         "report_reason": np.array(report.reason),
         "report_converged": np.array(report.converged),
     }
+    for name in GIVEN:
+        given = getattr(analysis.drawing, f"given_{name}")
+        if given is not None:
+            fields[name] = given[image.mask]
     if analysis.drawn_materials is not None:
         fields |= _material_fields(analysis.drawn_materials, DRAWN)
     if not np.array_equal(initial, inflated):  # which follow from mask and alpha
@@ -195,7 +202,7 @@ def _assemble(arrays: Arrays, version: int) -> ToonAnalysis:
     initial = None
     if version < PACKED_VERSION or "initial_normals" in arrays.names:
         initial = _normals(arrays, "initial_normals", mask, version)
-    drawing = _drawing(image, materials)
+    drawing = _drawing(image, materials, _given(arrays, mask))
     return ToonAnalysis(
         image=image,
         method=method,
@@ -250,11 +257,20 @@ def _report(arrays: Arrays) -> SolverReport:
     )
 
 
-def _drawing(image: ToonImage, materials: Materials) -> PreparedDrawing:
+def _given(arrays: Arrays, mask: BoolArray) -> dict[str, BoolArray]:
+    """Read where somebody told ink and highlights to be."""
+    given = {}
+    for name in set(GIVEN).intersection(arrays.names):
+        given[name] = np.zeros(mask.shape, np.bool_)
+        given[name][mask] = arrays.read(name, "b", int(mask.sum()))
+    return given
+
+
+def _drawing(image: ToonImage, materials: Materials, given: dict[str, BoolArray]) -> PreparedDrawing:
     """Prepare a drawing again. Materials that toonkit finds are not given, or it would unmix what is beside ink anew."""
-    drawing = prepare(image)
+    drawing = prepare(image, **given)
     if not np.array_equal(drawing.materials.labels, materials.labels):
-        drawing = prepare(image, materials=materials.labels)
+        drawing = prepare(image, materials=materials.labels, **given)
     if drawing.materials.count != materials.count:
         raise refuse(
             "material_labels", f"must be those of {materials.count} materials", drawing.materials.count

@@ -142,6 +142,29 @@ def find_ink(frame: Frame, *, hard_edges: bool = False) -> Ink:
     return Ink(coverage, color, bool(outlined), _has_only_lines(frame, coverage))
 
 
+def told_ink(found: Ink, told: BoolArray, frame: Frame) -> Ink:
+    """
+    Return the ink of a drawing in which somebody knows where it is.
+
+    Parameters
+    ----------
+    found : Ink
+        What `find_ink` finds.
+    told : ndarray of bool, shape (h, w)
+        Where the ink is.
+    frame : Frame
+        The object.
+
+    Returns
+    -------
+    Ink
+        As found where that is ink, too, with its soft edges; opaque elsewhere.
+    """
+    soft = told & (found.coverage > 0)
+    coverage = np.where(soft, found.coverage, told.astype(np.float64))
+    return Ink(coverage, np.where(soft[..., None], found.color, frame.color), found.outlined, False)
+
+
 def _dark_strips(frame: Frame) -> _Strips:
     """Close dark strips narrower than a square window; what that makes brighter is a strip. Outside counts as bright."""
     width = max(int(WIDEST * frame.size) | 1, 5 if frame.size > SMALLEST else 3)

@@ -67,6 +67,7 @@ def label_materials(
     normals: FloatArray,
     *,
     labels: Labels | None = None,
+    highlights: BoolArray | None = None,
 ) -> FoundMaterials:
     """
     Find the materials in a frame.
@@ -81,6 +82,8 @@ def label_materials(
         Initial normals of the silhouette.
     labels : ndarray of int, shape (h, w), optional
         The materials, 0 and up, if somebody knows them; -1 where not even they do.
+    highlights : ndarray of bool, shape (h, w), optional
+        The highlights and cast shadows, if somebody knows them.
 
     Returns
     -------
@@ -94,6 +97,8 @@ def label_materials(
         told[frame.mask] = labels[frame.mask]
         lit = (lit & ~_mostly(lit, told)) | find_named_highlights(tones, told)
         known = np.where(_strays(tones, told), -1, _completed(told, known))
+    if highlights is not None:
+        lit = highlights & frame.mask & (coverage < PAINT)
     source = _everywhere(nearest_sources(known >= 0, frame.lab, frame.mask), frame.mask)
     own = np.arange(source.size, dtype=np.int32).reshape(source.shape)
     pure = zones.sources.ravel()[source]
