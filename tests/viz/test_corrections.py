@@ -7,7 +7,7 @@ import pytest
 
 from toonkit import ToneRamp, ToonkitError
 from toonkit.viz.relight_page import corrections as module
-from toonkit.viz.relight_page.corrections import MaterialCorrections
+from toonkit.viz.relight_page.corrections import MARKS, MaterialCorrections
 
 
 @pytest.fixture
@@ -171,3 +171,73 @@ def test_a_ramp_alone_is_a_correction_but_no_other_label_map():
 def test_only_a_material_that_exists_has_a_ramp():
     with pytest.raises(ToonkitError, match="material must be one of the materials"):
         MaterialCorrections(np.array([[0, 1, 2]])).recolor(3, ToneRamp(["#102030"]))
+
+
+def test_all_that_is_connected_is_filled_and_nothing_else():
+    corrections = MaterialCorrections(np.array([[0, 1, 0], [0, 1, 0], [0, 0, 1]]))
+    corrections.fill([2.5, 0.5], 2)
+    assert corrections.labels.tolist() == [[0, 1, 2], [0, 1, 2], [0, 0, 1]]
+
+
+def test_a_loop_splits_what_it_encloses_of_one_material(corrections, found):
+    corrections.split([[30, 10], [40, 10], [40, 30], [30, 30]], 1)
+    enclosed = np.zeros(found.shape, bool)
+    enclosed[10:30, 30:40] = True
+    np.testing.assert_array_equal(corrections.labels, np.where(enclosed & (found == 1), 3, found))
+
+
+def test_a_loop_splits_all_materials_where_none_is_chosen(corrections, found):
+    corrections.split([[0, 0], [60, 0], [60, 40], [0, 40]], -1)
+    np.testing.assert_array_equal(corrections.labels, np.where(found >= 0, 3, -1))
+
+
+@pytest.mark.parametrize("mark", MARKS)
+def test_a_mark_says_what_lies_on_a_material_and_leaves_the_material(mark):
+    found = np.zeros((10, 30), int)
+    ink, highlights = np.zeros((2, 10, 30), bool)
+    ink[:, :10], highlights[:, 20:] = True, True
+    corrections = MaterialCorrections(found, ink, highlights)
+    assert corrections.ink is None
+    assert corrections.highlights is None
+    corrections.paint([[0, 5], [30, 5]], 2.0, MARKS[mark])
+    assert (corrections.labels == 0).all()
+    row = 5
+    expected = {"ink": (30, 0), "highlight": (10, 30), "shadow": (10, 30), "plain": (0, 0)}[mark]
+    counts = tuple(
+        10 * (index == 0) if marks is None else int(marks[row].sum())
+        for index, marks in enumerate((corrections.ink, corrections.highlights))
+    )
+    assert counts == expected
+
+
+def test_a_material_that_is_marked_whole_is_left_to_an_analysis():
+    corrections = MaterialCorrections(np.array([[0, 1, 2, 0]]))
+    corrections.fill([1.5, 0.5], MARKS["ink"])
+    corrections.fill([2.5, 0.5], MARKS["plain"])
+    assert corrections.labels.tolist() == [[0, -1, 2, 0]]
+    corrections.fill([1.5, 0.5], 0)
+    assert corrections.labels.tolist() == [[0, 0, 2, 0]]
+    assert corrections.ink.tolist() == [[False] * 4]
+
+
+def test_marked_pixels_move_with_their_material_when_it_is_merged():
+    corrections = MaterialCorrections(np.array([[0, 1, 1, 1]]))
+    corrections.paint([[1.5, 0.5]], 0.6, MARKS["highlight"])
+    corrections.merge(1, 0)
+    assert corrections.labels.tolist() == [[0, 0, 0, 0]]
+    assert corrections.highlights.tolist() == [[False, True, False, False]]
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda one: one.fill([70, 5], 1), "place must lie in the picture"),
+        (lambda one: one.fill([7, 7], 9), "material must be one of"),
+        (lambda one: one.fill([7, 7], 5 * 4096), "material must be one of"),
+        (lambda one: one.split(np.zeros((0, 2)), 1), "path must have 1 to"),
+        (lambda one: one.split([[0, np.inf]], 1), "must be places in the picture"),
+    ],
+)
+def test_what_is_no_region_is_refused(corrections, change, reason):
+    with pytest.raises(ToonkitError, match=reason):
+        change(corrections)

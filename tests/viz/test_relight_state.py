@@ -15,6 +15,7 @@ import toonkit
 from toonkit import ToneRamp, ToonkitError, relight
 from toonkit.model.normals import encode_normal_map
 from toonkit.viz.relight_page.analyses import SAMPLES
+from toonkit.viz.relight_page.corrections import MARKS
 from toonkit.viz.relight_page.state import RelightState
 
 
@@ -262,6 +263,24 @@ def test_an_edited_ramp_stays_with_its_material_when_others_are_merged(motley):
     run(motley.merge(1, 0))
     assert motley.numbers == [0, 2]
     assert np.array_equal(motley.recolored.materials.color_maps[1].colors, ramp.color_map().colors)
+
+
+def test_what_is_marked_as_ink_is_ink_in_the_analysis_and_its_material_gone(motley):
+    badge = motley.labels == 2
+    row, column = np.argwhere(badge)[len(np.argwhere(badge)) // 2]
+    run(motley.fill([column + 0.5, row + 0.5], MARKS["ink"]))
+    assert motley.numbers == [0, 1]
+    assert motley.analysis.materials.count == 2
+    assert (motley.analysis.drawing.ink_coverage[badge] > 0).mean() > 0.9
+    run(motley.undo())
+    assert motley.numbers == [0, 1, 2]
+
+
+def test_a_split_material_is_analyzed_as_two(motley):
+    height, width = motley.labels.shape
+    run(motley.split([[0, 0], [width, 0], [width, height / 2], [0, height / 2]], 0))
+    assert motley.numbers == [0, 1, 2, 3]
+    assert motley.analysis.materials.count == 4
 
 
 def test_a_selected_material_is_known_by_its_place_in_the_analysis(motley):

@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from toonkit._validation import BoolArray, as_array, is_number, refuse
+from toonkit._validation import refuse
 from toonkit.model.tone_ramp import ToneRamp
+from toonkit.viz.relight_page.regions import connected, loop, path_of, stroke
 
 MOST_MATERIALS = 4096
 """Materials at most, for their numbers to fit in 16 bits with room to spare."""
@@ -18,13 +19,16 @@ MOST_MATERIALS = 4096
 MOST_STEPS = 200
 """Corrections that can be undone."""
 
-WIDEST_BRUSH = 4096
-"""Pixels from the middle of a brush to its edge, at most."""
+MARKS = {
+    name: MOST_MATERIALS * (place + 1) for place, name in enumerate(("ink", "highlight", "shadow", "plain"))
+}
+"""What a pixel may be marked as beside its material: ink, a highlight, a cast shadow, or neither of these. Each number is
+added to that of the material."""
 
-LONGEST_STROKE = 20_000
-"""Points of a stroke at most: what a hand draws in minutes."""
+INK, HIGHLIGHT, SHADOW, PLAIN = (mark // MOST_MATERIALS for mark in MARKS.values())
 
 Numbers = NDArray[np.int16]
+Marks = NDArray[np.bool_]
 LabelVersion = bytes
 """One state of the label map, compressed: a drawing of 512 by 512 pixels takes a few kilobytes."""
 
@@ -37,7 +41,7 @@ class Version:
     Attributes
     ----------
     labels : bytes
-        The label map, compressed.
+        The label map, compressed: number of the material, and mark, of each pixel.
     ramps : tuple of (int, ToneRamp)
         Materials whose ramps were edited, in rising order, with these.
     """
@@ -57,6 +61,8 @@ class MaterialCorrections:
     ----------
     found : ndarray of int, shape (H, W)
         The materials that were found, -1 outside the object.
+    ink, highlights : ndarray of bool, shape (H, W), optional
+        The ink and the highlights that were found; none by default.
 
     Raises
     ------
@@ -74,8 +80,14 @@ class MaterialCorrections:
     [[0, 1, 2]]
     """
 
-    def __init__(self, found: NDArray[np.integer]) -> None:
+    def __init__(
+        self, found: NDArray[np.integer], ink: Marks | None = None, highlights: Marks | None = None
+    ) -> None:
         self._shape = found.shape
+        self._ink, self._highlights = (
+            np.packbits(np.zeros(found.shape, np.bool_) if marks is None else marks)
+            for marks in (ink, highlights)
+        )
         self._versions = [Version(_packed(found))]
         self._position = 0
 
@@ -100,9 +112,33 @@ class MaterialCorrections:
         return self._versions[self._position]
 
     @property
+    def codes(self) -> Numbers:
+        """Number of each pixel's material plus its mark, see `MARKS`, as it is now; shape (H, W), -1 outside the object."""
+        return self.codes_of(self.labels_version)
+
+    @property
     def labels(self) -> Numbers:
-        """Number of each pixel's material as it is now, shape (H, W), -1 outside the object."""
-        return self.labels_of(self.labels_version)
+        """Number of each pixel's material as it is now, shape (H, W), -1 where an analysis has to find it."""
+        return materials_of(self.codes)
+
+    @property
+    def ink(self) -> Marks | None:
+        """Where the ink is, shape (H, W); None as it was found."""
+        mark = self.codes // MOST_MATERIALS
+        if not np.isin(mark, (INK, PLAIN)).any():
+            return None
+        ink: Marks = (self._unpacked(self._ink) & (mark <= 0)) | (mark == INK)
+        return ink
+
+    @property
+    def highlights(self) -> Marks | None:
+        """Where highlights and cast shadows are, shape (H, W); None as they were found."""
+        mark = self.codes // MOST_MATERIALS
+        if not (mark > 0).any():
+            return None
+        kept = self._unpacked(self._highlights) & (mark <= 0)
+        highlights: Marks = kept | (mark == HIGHLIGHT) | (mark == SHADOW)
+        return highlights
 
     @property
     def can_undo(self) -> bool:
@@ -114,27 +150,25 @@ class MaterialCorrections:
         """Whether a correction was taken back."""
         return self._position + 1 < len(self._versions)
 
-    def labels_of(self, version: LabelVersion | None) -> Numbers:
-        """Return the label map of a version."""
-        return (
-            np.frombuffer(zlib.decompress(version or self._versions[0].labels), np.int16)
-            .reshape(self._shape)
-            .copy()
-        )
+    def codes_of(self, version: LabelVersion | None) -> Numbers:
+        """Return the materials and marks of a version."""
+        content = zlib.decompress(version or self._versions[0].labels)
+        return np.frombuffer(content, np.int16).reshape(self._shape).copy()
 
     def merge(self, material: int, into: int) -> None:
         """Give all pixels of a material to another one."""
-        labels = self.labels
-        numbers = numbers_in(labels)
+        codes = self.codes
+        numbers = _numbers_in_codes(codes)
         for name, number in (("material", material), ("into", into)):
             if number not in numbers:
                 raise refuse(name, "must be one of the materials", number)
-        labels[labels == material] = into
-        self._add_labels(labels)
+        own = (codes >= 0) & (codes % MOST_MATERIALS == material)
+        codes[own] += np.int16(into - material)
+        self._add_codes(codes)
 
     def paint(self, path: Sequence[Sequence[float]], radius: float, material: int) -> None:
         """
-        Give what a round brush covers to a material.
+        Give what a round brush covers to a material, or mark it.
 
         Parameters
         ----------
@@ -143,22 +177,23 @@ class MaterialCorrections:
         radius : float
             From its middle to its edge, pixels.
         material : int
-            Number of a material, or the next one after all of them for a new one.
+            Number of a material, or the next one after all of them for a new one, or one of `MARKS`.
         """
-        labels = self.labels
-        points = as_array("path", path, (None, 2))
-        if not 1 <= len(points) <= LONGEST_STROKE:
-            raise refuse("path", f"must have 1 to {LONGEST_STROKE:,} points", len(points))
-        if not np.isfinite(points).all():
-            raise refuse("path", "must be places in the picture", "a point that is not finite")
-        if not is_number(radius) or not 0 < radius <= WIDEST_BRUSH:
-            raise refuse("radius", f"must be above 0, and at most {WIDEST_BRUSH} pixels", radius)
-        numbers = numbers_in(labels)
-        if material not in (*numbers, numbers[-1] + 1) or material >= MOST_MATERIALS:
-            raise refuse("material", "must be one of the materials, or the next number", material)
-        covered = _stroke(points, float(radius), self._shape) & (labels >= 0)
-        labels[covered] = material
-        self._add_labels(labels)
+        codes = self.codes
+        self._give(codes, stroke(path_of(path), radius, self._shape), material)
+
+    def fill(self, place: Sequence[float], material: int) -> None:
+        """Give all that is connected to a place, column and row, and of the same material or mark, to another one."""
+        codes = self.codes
+        self._give(codes, connected(codes, place), material)
+
+    def split(self, path: Sequence[Sequence[float]], material: int) -> None:
+        """Make of what a closed path encloses of a material, or of all with -1, a new one."""
+        codes = self.codes
+        enclosed = loop(path_of(path), self._shape)
+        if material >= 0:
+            enclosed &= codes == material
+        self._give(codes, enclosed, max(_numbers_in_codes(codes)) + 1)
 
     def recolor(self, material: int, ramp: ToneRamp | None) -> None:
         """Give a material other tones, or, with None, those that were found."""
@@ -191,8 +226,20 @@ class MaterialCorrections:
             return
         self._position = min(places, key=lambda place: abs(place - self._position))
 
-    def _add_labels(self, labels: Numbers) -> None:
-        self._add(replace(self._version, labels=_packed(labels)))
+    def _give(self, codes: Numbers, region: Marks, material: int) -> None:
+        """Give a region (H, W) to a material, or mark it."""
+        numbers, marked = _numbers_in_codes(codes), material in MARKS.values()
+        if not marked and (material not in (*numbers, numbers[-1] + 1) or material >= MOST_MATERIALS):
+            raise refuse("material", "must be one of the materials, the next number, or a mark", material)
+        region = region & (codes >= 0)
+        codes[region] = codes[region] % MOST_MATERIALS + material if marked else material
+        self._add_codes(codes)
+
+    def _unpacked(self, bits: NDArray[np.uint8]) -> Marks:
+        return np.unpackbits(bits, count=int(np.prod(self._shape))).reshape(self._shape).astype(np.bool_)
+
+    def _add_codes(self, codes: Numbers) -> None:
+        self._add(replace(self._version, labels=_packed(codes)))
 
     def _add(self, version: Version) -> None:
         if version == self._version:
@@ -209,25 +256,25 @@ def numbers_in(labels: NDArray[np.integer]) -> list[int]:
     return numbers
 
 
+def materials_of(codes: NDArray[np.integer]) -> Numbers:
+    """
+    Return the numbers of the materials of pixels with marks.
+
+    A material most of which is marked as ink, highlight or shadow was only taken for one: where it is marked, it is -1, for
+    an analysis to find what is beneath.
+    """
+    numbers = np.where(codes >= 0, codes % MOST_MATERIALS, -1).astype(np.int16)
+    hidden = (codes >= MARKS["ink"]) & (codes < MARKS["plain"])
+    if hidden.any():
+        area = np.bincount(numbers[numbers >= 0])
+        mostly = 2 * np.bincount(numbers[hidden], minlength=len(area)) > area
+        numbers[hidden & mostly[numbers]] = -1
+    return numbers
+
+
+def _numbers_in_codes(codes: Numbers) -> list[int]:
+    return numbers_in(np.where(codes >= 0, codes % MOST_MATERIALS, -1))
+
+
 def _packed(labels: NDArray[np.integer]) -> LabelVersion:
     return zlib.compress(labels.astype(np.int16).tobytes(), 1)
-
-
-def _stroke(points: NDArray[np.float64], radius: float, shape: tuple[int, ...]) -> BoolArray:
-    """Mark the pixels (H, W) whose middles are at most a radius from a path."""
-    covered = np.zeros(shape, np.bool_)
-    for (x, y), (to_x, to_y) in zip(points, points[[*range(1, len(points)), -1]], strict=True):
-        top, left = (max(int(min(pair) - radius), 0) for pair in ((y, to_y), (x, to_x)))
-        bottom, right = (max(int(max(pair) + radius) + 1, 0) for pair in ((y, to_y), (x, to_x)))
-        part = covered[top:bottom, left:right]
-        if part.size:
-            rows, columns = np.ogrid[: part.shape[0], : part.shape[1]]
-            part |= _near(columns + left + 0.5 - x, rows + top + 0.5 - y, to_x - x, to_y - y, radius)
-    return covered
-
-
-def _near(x: NDArray[np.float64], y: NDArray[np.float64], dx: float, dy: float, radius: float) -> BoolArray:
-    """Mark the places at most a radius from the way from (0, 0) to (dx, dy)."""
-    along = np.clip((x * dx + y * dy) / max(dx * dx + dy * dy, 1e-12), 0.0, 1.0)
-    near: BoolArray = (x - along * dx) ** 2 + (y - along * dy) ** 2 <= radius**2
-    return near

@@ -76,7 +76,7 @@ def stage(state: RelightState) -> RelightView:
             await after_updates(lambda: view.param.update(idle=view.idle + (not state.step)))
 
     pn.bind(arrive, state.param.step, state.param.settled, watch=True)
-    state.param.watch(lambda event: view.show(event.new, state.labels), "analysis")
+    state.param.watch(lambda event: view.show(event.new, state.codes), "analysis")
     state.param.watch(lambda event: view.recolor(event.new), "ramps")
     return view
 
@@ -96,6 +96,8 @@ def _answer(state: RelightState) -> Callable[[DataEvent], Awaitable[None]]:
         "cancel": cancel,
         "merge": state.merge,
         "paint": state.paint,
+        "fill": state.fill,
+        "split": state.split,
         "recolor": state.recolor,
         "undo": state.undo,
         "redo": state.redo,

@@ -26,7 +26,13 @@ from toonkit.model.normals import encode_normal_map
 from toonkit.model.tone_ramp import ToneRamp
 from toonkit.samples import sample_light, sample_path
 from toonkit.viz.relight_page.analyses import SAMPLES, Evidence, Kept, Question, answer, digest_of
-from toonkit.viz.relight_page.corrections import LabelVersion, MaterialCorrections, Numbers, numbers_in
+from toonkit.viz.relight_page.corrections import (
+    LabelVersion,
+    MaterialCorrections,
+    Numbers,
+    materials_of,
+    numbers_in,
+)
 from toonkit.viz.turns import TURNS, Progress
 
 METHOD_DESCRIPTIONS = {
@@ -145,9 +151,14 @@ class RelightState(param.Parameterized):
         return self._corrections[self._digest]
 
     @property
+    def codes(self) -> Numbers:
+        """Number of each pixel's material on screen plus its mark, shape (H, W): in `corrections`, not in the analysis."""
+        return self.corrections.codes_of(self._version)
+
+    @property
     def labels(self) -> Numbers:
-        """Number of each pixel's material on screen, shape (H, W), -1 outside: in `corrections`, not in the analysis."""
-        return self.corrections.labels_of(self._version)
+        """Number of each pixel's material on screen, shape (H, W), -1 where the analysis has found it."""
+        return materials_of(self.codes)
 
     @property
     def numbers(self) -> list[int]:
@@ -173,6 +184,14 @@ class RelightState(param.Parameterized):
     async def paint(self, path: Sequence[Sequence[float]], radius: float, material: int) -> None:
         """Give what a brush covers to a material, and analyze the drawing with it: see `MaterialCorrections.paint`."""
         await self._correct(lambda corrections: corrections.paint(path, radius, material))
+
+    async def fill(self, place: Sequence[float], material: int) -> None:
+        """Give a connected region to a material, and analyze the drawing with it: see `MaterialCorrections.fill`."""
+        await self._correct(lambda corrections: corrections.fill(place, material))
+
+    async def split(self, path: Sequence[Sequence[float]], material: int) -> None:
+        """Make what a loop encloses a new material, and analyze the drawing with it: see `MaterialCorrections.split`."""
+        await self._correct(lambda corrections: corrections.split(path, material))
 
     async def recolor(self, material: int, ramp: Mapping[str, Any] | None) -> None:
         """Give a material the tones of a `ToneRamp` with these arguments; None gives it back those it is drawn with."""
@@ -292,7 +311,12 @@ class RelightState(param.Parameterized):
             if shown is not None and version == self._version:
                 evidence = Evidence(image, previous=shown)
             elif corrections is not None and version is not None:
-                evidence = Evidence(image if shown is None else shown.drawing, corrections.labels)
+                evidence = Evidence(
+                    image if shown is None else shown.drawing,
+                    corrections.labels,
+                    corrections.ink,
+                    corrections.highlights,
+                )
             analysis = await self._work(
                 "reading the drawing", lambda progress: answer(question, evidence, progress, kept), waits=True
             )
@@ -302,7 +326,12 @@ class RelightState(param.Parameterized):
     def _put_on_screen(self, question: Question, analysis: ToonAnalysis, sample: str) -> None:
         digest = question.digest
         if digest not in self._corrections:
-            self._corrections[digest] = MaterialCorrections(analysis.materials.labels)
+            drawing = analysis.drawing
+            highlit = np.zeros(drawing.shape, np.bool_)
+            highlit[drawing.places(drawing.mixed.pixels[drawing.mixed.highlit])] = True
+            self._corrections[digest] = MaterialCorrections(
+                analysis.materials.labels, drawing.ink_coverage > 0, highlit
+            )
             while len(self._corrections) > KEPT_CORRECTIONS:
                 self._corrections.popitem(last=False)
         selected = self.selected if digest == self._digest else -1

@@ -105,7 +105,7 @@ function render({model}) {
     }
     pending += 1
     editor.showBusy(true)
-    if (["merge", "paint", "recolor"].includes(action)) { editor.allow([true, false, true]) }
+    if (["merge", "paint", "fill", "split", "recolor"].includes(action)) { editor.allow([true, false, true]) }
     model.send_msg({action, ...details})
   }, recolor)
   const modes = element(drawing.card.querySelector("header"), "div", "modes")

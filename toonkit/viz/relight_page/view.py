@@ -24,7 +24,7 @@ from toonkit.model.light import light_direction
 from toonkit.model.luminance import color_of_hex
 from toonkit.model.tone_ramp import ToneRamp
 from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, FULL_TURN, HIGHLIGHT_RANGE, relight
-from toonkit.viz.relight_page.corrections import numbers_in
+from toonkit.viz.relight_page.corrections import MARKS, materials_of, numbers_in
 from toonkit.viz.relight_page.textures import encode_textures
 
 MODULES = (
@@ -39,6 +39,12 @@ MODULES = (
 )
 """Parts of the one JavaScript module, in order: a module that imports others would have to be served from somewhere."""
 
+OUTSIDE, INKED = 0xFFFF, 0x8000
+"""Numbers in the label map of the page: of pixels outside the object, and what is added where ink covers the paint."""
+
+SHOWN_INK = 0.5
+"""Coverage from which on the page shows ink."""
+
 TEXTURES = ("color", "normals", "parts", "mixtures", "color_maps", "materials", "ramps")
 """Parameters that hold what `RelightTextures` describes."""
 
@@ -52,8 +58,8 @@ class RelightView(pn.custom.JSComponent):
     The picture as drawn and as relit, with light balls and sliders.
 
     Call `show` with each new analysis. `on_msg` delivers what its user asks for: `{"action": "estimate"}`, `cancel`,
-    `undo`, `redo`, `reset`, `merge` with `material` and `into`, `paint` with `path`, `radius` and `material`, and `recolor`
-    with `material` and `ramp`, as `RelightState` takes them. Each of the last six is answered by one more in `settled`.
+    `undo`, `redo`, `reset`, `merge` with `material` and `into`, `paint`, `fill`, `split` and `recolor`, with what
+    `RelightState` takes. Each of the last eight is answered by one more in `settled`.
 
     Examples
     --------
@@ -101,7 +107,8 @@ class RelightView(pn.custom.JSComponent):
     fallback_picture = param.Bytes(b"", doc="PNG of the relit picture, only without WebGL2.")
 
     labels = param.Bytes(
-        b"", doc="Number of each pixel's material, 0xffff outside the object: uint16, deflated."
+        b"",
+        doc="Number of each pixel's material plus mark, `INKED` where there is ink, `OUTSIDE` the object: uint16, deflated.",
     )
     numbers = param.List(
         [], item_type=int, doc="Numbers of the materials, in the order of their texture rows."
@@ -123,7 +130,7 @@ class RelightView(pn.custom.JSComponent):
         self._ramps: Mapping[int, ToneRamp] = {}
         super().__init__(**{"sizing_mode": "stretch_width", **params})
 
-    def show(self, analysis: ToonAnalysis, labels: NDArray[np.integer] | None = None) -> None:
+    def show(self, analysis: ToonAnalysis, codes: NDArray[np.integer] | None = None) -> None:
         """
         Put an analysis on screen; the new light stays where it is.
 
@@ -131,19 +138,21 @@ class RelightView(pn.custom.JSComponent):
         ----------
         analysis : ToonAnalysis
             Any method's result.
-        labels : ndarray of int, shape (H, W), optional
-            Other numbers for its materials, in the same order, -1 outside the object.
+        codes : ndarray of int, shape (H, W), optional
+            Other numbers for its materials, in the same order, with marks; -1 outside the object.
         """
         self._analysis = analysis
-        labels = analysis.materials.labels if labels is None else labels
+        codes = analysis.materials.labels if codes is None else codes
+        shown = np.where(codes < 0, OUTSIDE, codes).astype("<u2")
+        shown[(analysis.drawing.ink_coverage > SHOWN_INK) & (shown < MARKS["ink"])] |= INKED
         textures = asdict(encode_textures(analysis, keep_detail=self.keep_detail))
         size = [textures.pop("width"), textures.pop("height")]
         angles = list(textures.pop("analyzed_light"))
         self.param.update(
             **textures,
-            numbers=numbers_in(labels),
+            numbers=numbers_in(materials_of(codes)),
             found_ramps=[asdict(ToneRamp.of(color_map)) for color_map in analysis.materials.color_maps],
-            labels=zlib.compress(labels.astype("<i2").tobytes(), 1),  # a few kilobytes
+            labels=zlib.compress(shown.tobytes(), 1),  # a few kilobytes
             picture_size=size,
             analyzed_light=angles,
             original_light=[round(angle, 3) for angle in angles],  # as RelightState has it

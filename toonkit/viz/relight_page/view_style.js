@@ -73,14 +73,15 @@ button svg { width: 15px; height: 15px; fill: currentColor; margin-left: -3px; }
 .modes { display: flex; margin-left: auto; padding: 2px; border-radius: 8px; gap: 2px; background: var(--line); }
 .modes button { border: 0; padding: 3px 10px; border-radius: 6px; font-size: 12px; }
 .modes button[aria-pressed=true] { background: var(--paper); box-shadow: 0 1px 3px rgba(0, 0, 0, .3); }
-.materials, .label-map, .ring { display: none; }
+.materials, .label-map, .ring, .lasso { display: none; }
 .editing .materials { display: flex; }
-.editing .label-map { display: block; }
+.editing .label-map, .editing .lasso { display: block; }
 .editing .controls, .editing .sun { display: none; }
-.materials { flex-direction: column; gap: 10px; padding: 12px 16px; border-top: 1px solid var(--line); height: 224px; }
+.materials { flex-direction: column; gap: 10px; padding: 12px 16px; border-top: 1px solid var(--line); height: 262px; }
 .tools { display: flex; gap: 8px; align-items: center; }
 .tools button { padding: 4px 10px; min-height: 30px; }
 .tools .undo, .tools .redo { padding: 4px 6px; }
+.tools .brush, .tools .fill, .tools .split { padding: 4px 9px; }
 .tools svg { fill: none; stroke: currentColor; stroke-width: 2; stroke-linecap: round; stroke-linejoin: round; margin: 0; }
 .tools button[aria-pressed=true] { background: var(--accent); border-color: var(--accent); color: #1c1206; }
 button:disabled { opacity: .4; cursor: default; background: transparent; }
@@ -96,6 +97,14 @@ button:disabled { opacity: .4; cursor: default; background: transparent; }
 .swatch[aria-pressed=true] { box-shadow: 0 0 0 2px var(--paper), 0 0 0 4px var(--accent); }
 .swatch.new { border: 1.5px dashed color-mix(in srgb, var(--ink) 40%, transparent); justify-content: center; font-size: 18px; }
 .swatch.ghost { position: absolute; left: -28px; top: -15px; width: 56px; z-index: 3; pointer-events: none; box-shadow: 0 4px 14px rgba(0, 0, 0, .5); }
+.marks { display: flex; gap: 7px; flex-wrap: wrap; }
+.swatch.mark { display: inline-flex; align-items: center; gap: 6px; padding: 0 10px 0 8px; height: 26px; font-size: 12px;
+  border: 1px solid color-mix(in srgb, var(--ink) 26%, transparent); }
+.swatch.mark b { position: static; }
+.lasso { position: absolute; inset: 0; pointer-events: none; }
+.lasso svg { width: 100%; height: 100%; }
+.lasso polygon { fill: rgba(255, 255, 255, .15); stroke: #fff; stroke-width: 1.5; stroke-dasharray: 5 4; filter: drop-shadow(0 0 1px #000); }
+.editing .stage[data-tool=split], .editing .stage[data-tool=fill] { cursor: crosshair; }
 .swatches { flex: 1; min-height: 38px; }
 .ramp-editor { position: relative; display: grid; gap: 8px; padding-top: 10px; border-top: 1px solid var(--line); }
 .ramp-editor.none > :not(.no-ramp) { visibility: hidden; }
