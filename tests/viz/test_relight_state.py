@@ -283,6 +283,71 @@ def test_a_split_material_is_analyzed_as_two(motley):
     assert motley.analysis.materials.count == 4
 
 
+def later(monkeypatch):
+    """Let more time pass than one drag takes."""
+    monkeypatch.setattr("toonkit.viz.relight_page.state.STEP_SECONDS", 0.0)
+
+
+def test_the_light_and_corrections_are_undone_in_the_order_they_were_made_in(motley, monkeypatch):
+    later(monkeypatch)
+    first = motley.new_light
+    motley.new_light = [10.0, 20.0]
+    run(motley.merge(2, 0))
+    motley.param.update(ambient=0.5)
+    run(motley.undo())
+    assert (motley.ambient, motley.numbers) == (0.0, [0, 1])
+    run(motley.undo())
+    assert (motley.new_light, motley.numbers) == ([10.0, 20.0], [0, 1, 2])
+    run(motley.undo())
+    assert motley.new_light == first
+    assert not motley.can_undo
+    for _ in range(3):
+        run(motley.redo())
+    assert (motley.new_light, motley.numbers, motley.ambient) == ([10.0, 20.0], [0, 1], 0.5)
+    assert not motley.can_redo
+
+
+def test_a_drag_is_undone_as_a_whole(motley):
+    first = motley.new_light
+    for azimuth in range(10, 60, 5):
+        motley.new_light = [float(azimuth), 20.0]
+    run(motley.undo())
+    assert motley.new_light == first
+    run(motley.redo())
+    assert motley.new_light == [55.0, 20.0]
+
+
+def test_another_method_and_original_light_are_undone_with_their_analysis(motley, monkeypatch):
+    later(monkeypatch)
+    light = motley.original_light
+    motley.original_light = [20.0, 40.0]
+    run(motley.analyze())
+    motley.method = "lambert"
+    run(motley.analyze())
+    run(motley.undo())
+    assert (motley.method, motley.analysis.method) == ("lumo", "lumo")
+    run(motley.undo())
+    assert motley.original_light == light
+    np.testing.assert_allclose(toonkit.light_angles(motley.analysis.light), light, atol=1e-2)
+
+
+def test_a_method_that_fails_leaves_nothing_to_undo(motley, monkeypatch):
+    later(monkeypatch)
+    monkeypatch.setattr(toonkit, "analyze", lambda *_, **__: 1 / 0)
+    motley.method = "lambert"
+    with pytest.raises(ZeroDivisionError):
+        run(motley.analyze())
+    assert motley.method == "lumo"
+    assert not motley.can_undo
+
+
+def test_reset_leaves_the_light_where_it_is(motley):
+    run(motley.merge(2, 0))
+    motley.new_light = [10.0, 20.0]
+    run(motley.reset_materials())
+    assert (motley.new_light, motley.numbers) == ([10.0, 20.0], [0, 1, 2])
+
+
 def test_a_selected_material_is_known_by_its_place_in_the_analysis(motley):
     run(motley.merge(1, 0))
     motley.select_place(1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,6 +27,7 @@ added to that of the material."""
 
 INK, HIGHLIGHT, SHADOW, PLAIN = (mark // MOST_MATERIALS for mark in MARKS.values())
 
+Look = tuple[tuple[str, Hashable], ...]
 Numbers = NDArray[np.int16]
 Marks = NDArray[np.bool_]
 LabelVersion = bytes
@@ -44,10 +45,13 @@ class Version:
         The label map, compressed: number of the material, and mark, of each pixel.
     ramps : tuple of (int, ToneRamp)
         Materials whose ramps were edited, in rising order, with these.
+    look : tuple of (str, object)
+        Names and values of everything else that is undone with them, such as the light.
     """
 
     labels: LabelVersion
     ramps: tuple[tuple[int, ToneRamp], ...] = ()
+    look: Look = ()
 
 
 class MaterialCorrections:
@@ -104,8 +108,13 @@ class MaterialCorrections:
 
     @property
     def is_corrected(self) -> bool:
-        """Whether anything is otherwise than it was found."""
-        return self._version != self._versions[0]
+        """Whether materials, marks or ramps are otherwise than they were found."""
+        return self._version != replace(self._versions[0], look=self.look)
+
+    @property
+    def look(self) -> Look:
+        """The look as it is now."""
+        return self._version.look
 
     @property
     def _version(self) -> Version:
@@ -205,9 +214,20 @@ class MaterialCorrections:
             ramps[material] = ramp
         self._add(replace(self._version, ramps=tuple(sorted(ramps.items()))))
 
+    def change_look(self, look: Look, *, again: bool) -> None:
+        """Go on with another look; again, if it only continues the last change, so that both are undone at once."""
+        version = replace(self._version, look=look)
+        if not again:
+            self._add(version)
+        elif self._position > 0 and version == self._versions[self._position - 1]:
+            del self._versions[self._position]
+            self._position -= 1
+        else:
+            self._versions[self._position] = version
+
     def reset(self) -> None:
         """Return to the materials that were found; this can be undone, too."""
-        self._add(self._versions[0])
+        self._add(replace(self._versions[0], look=self.look))
 
     def undo(self) -> None:
         """Take the last correction back, if there is one."""

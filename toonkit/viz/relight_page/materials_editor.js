@@ -6,8 +6,6 @@ const ICONS = Object.fromEntries(Object.entries({
   split: "M4 12c0-4 3.5-7 8.5-7S21 7.5 21 11s-4 6-8.5 6c-2 0-3.5-.5-4.5-1M8 16c-1.5-1-4 0-4 1.700S6 21 7.5 20 9 17.5 8 16z",
   brush: "M20 4 11.5 12.5M9 12.5a3.5 3.5 0 0 1 2.5 5C10 20.5 6.5 21 3 19.5c2-1 1.5-3 2.2-4.8C5.8 13.2 7.5 12.3 9 12.5z",
   merge: "M5 4l7 7 7-7M12 11v9M8 16.5l4 3.5 4-3.5",
-  undo: "M8 4 3 9l5 5M3 9h11a5.5 5.5 0 0 1 0 11h-4",
-  redo: "M16 4l5 5-5 5M21 9H10a5.5 5.5 0 0 0 0 11h4",
 }).map(([name, path]) => [name, `<svg viewBox="0 0 24 24"><path d="${path}"/></svg>`]))
 const HINTS = {
   none: "Click a part that is wrong", chosen: "Merge it, or paint more of it", merge: "Now click what it belongs to",
@@ -15,7 +13,7 @@ const HINTS = {
   split: "Draw around what is another material",
 }
 
-// `told` is called with what the user does: select, merge, paint, fill, split, recolor, undo, redo, reset; `shown` with the edited ramps, by
+// `told` is called with what the user does: select, merge, paint, fill, split, recolor, reset; `shown` with the edited ramps, by
 // number, while one of them is being changed.
 function materialsEditor({root, card, stage}, told, shown) {
   const map = labelMap(stage)
@@ -60,7 +58,6 @@ function materialsEditor({root, card, stage}, told, shown) {
   Object.assign(size, {type: "range", min: 1, max: 100, value: 45, title: "Size of the brush: [ and ]"})
   size.setAttribute("aria-label", "Brush size")
   element(tools, "span", "space")
-  const [undo, redo] = [tool("undo", "", "Undo (Ctrl+Z)", () => told("undo")), tool("redo", "", "Redo (Ctrl+Shift+Z)", () => told("redo"))]
   const reset = tool("reset", "Reset", "Reset: back to what was found", () => told("reset"))
 
   const fresh = () => map.fresh
@@ -307,25 +304,31 @@ function materialsEditor({root, card, stage}, told, shown) {
   for (const end of ["pointerup", "pointercancel"]) { stage.addEventListener(end, () => { if (stroke) { finish() } }) }
   size.addEventListener("input", update)
 
-  function key(event) {
-    if (!open) { return }
-    const letter = event.key.toLowerCase()
-    const control = event.ctrlKey || event.metaKey
-    if (control && (letter === "z" || letter === "y")) {
-      event.preventDefault()
-      if (!stroke) { (event.shiftKey || letter === "y" ? redo : undo).click() }
-    } else if (letter === "escape") {
-      if (using !== "pick") { use("pick") } else { select(-1) }
-      update()
-    } else if (using === "brush" && (letter === "[" || letter === "]")) {
-      size.value = Number(size.value) + (letter === "]" ? 5 : -5)
-      update()
-    }
+  // What a key does, and whether it does anything.
+  function toggle(button) {
+    if (!open || button.disabled || button.hidden) { return false }
+    button.click()
+    return true
   }
-  document.addEventListener("keydown", key)
+  function resize(by) {
+    if (!open || using !== "brush") { return false }
+    size.value = Number(size.value) + by
+    update()
+    return true
+  }
+  function escape() {
+    if (!open) { return false }
+    if (using !== "pick") { use("pick") } else { select(-1) }
+    update()
+    return true
+  }
 
   return {
     get open() { return open },
+    get drawing() { return stroke !== null },
+    keys: {
+      b: () => toggle(brush), f: () => toggle(bucket), s: () => toggle(knife), escape, "[": () => resize(-5), "]": () => resize(5),
+    },
     setOpen(on) {
       ;[open, using, hovered] = [on, "pick", -1]
       card.classList.toggle("editing", on)
@@ -338,7 +341,7 @@ function materialsEditor({root, card, stage}, told, shown) {
       update()
     },
     showBusy(busy) { panel.setAttribute("aria-busy", busy) },
-    allow(possible) { [undo.disabled, redo.disabled, reset.disabled] = possible.map((one) => !one) },
+    allowReset(possible) { reset.disabled = !possible },
     setSelected(number) {
       if (number >= 0 || isMaterial(selected)) { selected = number }
       update()
@@ -359,6 +362,5 @@ function materialsEditor({root, card, stage}, told, shown) {
       fill()
       update()
     },
-    remove() { document.removeEventListener("keydown", key) },
   }
 }

@@ -71,11 +71,12 @@ def stage(state: RelightState) -> RelightView:
     view.link(state, bidirectional=True, **{name: name for name in linked})
     view.on_msg(_answer(state))
 
-    async def arrive(step: str, _: int) -> None:
+    async def arrive(step: str, *_: object) -> None:
         if not step:
             await after_updates(lambda: view.param.update(idle=view.idle + (not state.step)))
 
-    pn.bind(arrive, state.param.step, state.param.settled, watch=True)
+    told = (state.param[name] for name in ("step", "settled", "can_undo", "can_redo"))
+    pn.bind(arrive, *told, watch=True)
     state.param.watch(lambda event: view.show(event.new, state.codes), "analysis")
     state.param.watch(lambda event: view.recolor(event.new), "ramps")
     return view

@@ -6,7 +6,8 @@ import asyncio
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
@@ -28,6 +29,7 @@ from toonkit.samples import sample_light, sample_path
 from toonkit.viz.relight_page.analyses import SAMPLES, Evidence, Kept, Question, answer, digest_of
 from toonkit.viz.relight_page.corrections import (
     LabelVersion,
+    Look,
     MaterialCorrections,
     Numbers,
     materials_of,
@@ -55,6 +57,15 @@ PROGRESS_SECONDS = 0.08
 """Pause between two progress reports: faster ones only fill the connection."""
 
 Result = TypeVar("Result")
+
+
+SETTINGS = (
+    "new_light", "original_light", "method", "keep_detail", "flat_shading", "light_color", "ambient"
+)  # fmt: skip
+"""What is undone and done again beside corrections of the materials."""
+
+STEP_SECONDS = 0.8
+"""Pause after which a change of the same setting is a step of its own: a drag is undone as a whole."""
 
 
 class CancelledError(Exception):
@@ -107,6 +118,9 @@ class RelightState(param.Parameterized):
         self._corrections: OrderedDict[str, MaterialCorrections] = OrderedDict()
         self._digest = ""
         self._version: LabelVersion | None = None  # of the materials on screen; None as found
+        self._under_way: tuple[object, ...] | None = None
+        self._recalling = False
+        self._changing: tuple[set[str], float] = set(), 0.0  # settings, and when they were last changed
 
     async def open_sample(self, name: str) -> None:
         """Open a drawing that ships with toonkit, under its own light."""
@@ -142,8 +156,15 @@ class RelightState(param.Parameterized):
 
     async def analyze(self) -> None:
         """Analyze the drawing on screen with the method, the original light and the materials now wished for."""
-        if self.analysis is not None and self._wish != self._fulfilled:
+        wish = () if self.analysis is None else self._wish
+        if self.analysis is None or wish in (self._fulfilled, self._under_way):
+            return
+        self._under_way = wish
+        try:
             await self._analyze(self.analysis.image, list(self.original_light), sample=self.sample)
+        finally:
+            if self._under_way is wish:
+                self._under_way = None
 
     @property
     def corrections(self) -> MaterialCorrections:
@@ -280,12 +301,57 @@ class RelightState(param.Parameterized):
             return
         try:
             change(self.corrections)
+            self._changing = set(), 0.0
+            self._recall()
             self._show_corrections()
             if self._wish == self._fulfilled:
                 self.cancel()  # back at what is on screen, while something else was on its way
             await self.analyze()
         finally:
             self.settled += 1
+
+    @property
+    def _look(self) -> Look:
+        """The settings, as something to compare."""
+        values = ((name, getattr(self, name)) for name in SETTINGS)
+        return tuple(
+            (name, tuple(round(angle, 3) for angle in value) if isinstance(value, list) else value)
+            for name, value in values
+        )
+
+    @param.depends(*SETTINGS, watch=True)
+    def _remember(self) -> None:
+        """Make a step of what the visitor has changed."""
+        if self._recalling or self._digest not in self._corrections:
+            return
+        look = self._look
+        changed = {name for name, _ in set(look) - set(self.corrections.look)}
+        if not changed:
+            return
+        (before, then), now = self._changing, time.monotonic()
+        self.corrections.change_look(look, again=changed == before and now - then < STEP_SECONDS)
+        self._changing = changed, now
+        self._show_corrections()
+
+    def _recall(self) -> None:
+        """Return to the settings of the step that the corrections are at."""
+        recalled = dict(set(self.corrections.look) - set(self._look))
+        with self._silently():
+            self.param.update(
+                **{
+                    name: list(value) if isinstance(value, tuple) else value
+                    for name, value in recalled.items()
+                }
+            )
+
+    @contextmanager
+    def _silently(self) -> Iterator[None]:
+        """Change settings without making a step of it."""
+        self._recalling = True
+        try:
+            yield
+        finally:
+            self._recalling = False
 
     def _show_corrections(self) -> None:
         corrections = self.corrections
@@ -334,12 +400,17 @@ class RelightState(param.Parameterized):
             )
             while len(self._corrections) > KEPT_CORRECTIONS:
                 self._corrections.popitem(last=False)
-        selected = self.selected if digest == self._digest else -1
+        another = digest != self._digest
+        selected = -1 if another else self.selected
         self._digest, self._version = digest, question.version
         self._show_corrections()
         angles = _angles(analysis)
         if question in self._own:  # a light that was estimated is one that is given from now on
             self._own.setdefault(replace(question, angles=tuple(angles)), analysis)
+        if another:
+            with self._silently():
+                self.param.update(original_light=angles)
+            self.corrections.change_look(self._look, again=True)
         self.param.update(sample=sample, analysis=analysis, original_light=angles, selected=selected)
 
     async def _work(
@@ -399,8 +470,10 @@ class RelightState(param.Parameterized):
     def _restore(self) -> None:
         """Take back wishes that were not fulfilled."""
         if self.analysis is not None:
-            self.param.update(method=self.analysis.method, original_light=_angles(self.analysis))
+            with self._silently():
+                self.param.update(method=self.analysis.method, original_light=_angles(self.analysis))
             self.corrections.restore(self._version)
+            self.corrections.change_look(self._look, again=True)
             self._show_corrections()
 
 

@@ -10,7 +10,6 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import asdict
 from io import BytesIO
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,19 +24,8 @@ from toonkit.model.luminance import color_of_hex
 from toonkit.model.tone_ramp import ToneRamp
 from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, FULL_TURN, HIGHLIGHT_RANGE, relight
 from toonkit.viz.relight_page.corrections import MARKS, materials_of, numbers_in
-from toonkit.viz.relight_page.textures import encode_textures
-
-MODULES = (
-    "shader.js",
-    "light_card.js",
-    "label_map.js",
-    "tone_ramp.js",
-    "ramp_editor.js",
-    "materials_editor.js",
-    "view_style.js",
-    "view.js",
-)
-"""Parts of the one JavaScript module, in order: a module that imports others would have to be served from somewhere."""
+from toonkit.viz.relight_page.scripts import EDITOR, joined
+from toonkit.viz.relight_page.textures import describe_picture, encode_textures
 
 OUTSIDE, INKED = 0xFFFF, 0x8000
 """Numbers in the label map of the page: of pixels outside the object, and what is added where ink covers the paint."""
@@ -47,10 +35,6 @@ SHOWN_INK = 0.5
 
 TEXTURES = ("color", "normals", "parts", "mixtures", "color_maps", "materials", "ramps")
 """Parameters that hold what `RelightTextures` describes."""
-
-
-def _joined(names: tuple[str, ...]) -> str:
-    return "\n".join(Path(__file__).with_name(name).read_text(encoding="utf-8") for name in names)
 
 
 class RelightView(pn.custom.JSComponent):
@@ -123,7 +107,7 @@ class RelightView(pn.custom.JSComponent):
     corrected = param.Boolean(False, doc="Whether there is anything to reset.")
     settled = param.Integer(0, doc="How many of the corrections that were asked for are done with.")
 
-    _esm = _joined(MODULES)
+    _esm = joined(EDITOR)
 
     def __init__(self, **params: Any) -> None:
         self._analysis: ToonAnalysis | None = None
@@ -145,17 +129,13 @@ class RelightView(pn.custom.JSComponent):
         codes = analysis.materials.labels if codes is None else codes
         shown = np.where(codes < 0, OUTSIDE, codes).astype("<u2")
         shown[(analysis.drawing.ink_coverage > SHOWN_INK) & (shown < MARKS["ink"])] |= INKED
-        textures = asdict(encode_textures(analysis, keep_detail=self.keep_detail))
-        size = [textures.pop("width"), textures.pop("height")]
-        angles = list(textures.pop("analyzed_light"))
+        picture = describe_picture(analysis, keep_detail=self.keep_detail)
         self.param.update(
-            **textures,
+            **picture,
             numbers=numbers_in(materials_of(codes)),
             found_ramps=[asdict(ToneRamp.of(color_map)) for color_map in analysis.materials.color_maps],
             labels=zlib.compress(shown.tobytes(), 1),  # a few kilobytes
-            picture_size=size,
-            analyzed_light=angles,
-            original_light=[round(angle, 3) for angle in angles],  # as RelightState has it
+            original_light=[round(angle, 3) for angle in picture["analyzed_light"]],  # as RelightState has it
         )
         self._paint()
 

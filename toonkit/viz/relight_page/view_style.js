@@ -73,6 +73,18 @@ button svg { width: 15px; height: 15px; fill: currentColor; margin-left: -3px; }
 .modes { display: flex; margin-left: auto; padding: 2px; border-radius: 8px; gap: 2px; background: var(--line); }
 .modes button { border: 0; padding: 3px 10px; border-radius: 6px; font-size: 12px; }
 .modes button[aria-pressed=true] { background: var(--paper); box-shadow: 0 1px 3px rgba(0, 0, 0, .3); }
+.history { display: flex; gap: 6px; margin-left: auto; }
+.history button { padding: 4px; min-width: 28px; height: 28px; justify-content: center; }
+.history svg { fill: none; stroke: currentColor; stroke-width: 2; stroke-linecap: round; stroke-linejoin: round; margin: 0; }
+.shortcuts { border: 1px solid var(--line); border-radius: 12px; padding: 0; color: var(--ink); background: var(--paper);
+  box-shadow: 0 8px 40px rgba(0, 0, 0, .5); max-width: min(480px, calc(100vw - 32px)); }
+.shortcuts::backdrop { background: rgba(0, 0, 0, .45); }
+.shortcuts form { padding: 18px 22px; display: grid; gap: 12px; justify-items: start; }
+.shortcuts h2 { margin: 0; font-size: 16px; }
+.shortcuts dl { display: grid; grid-template-columns: auto 1fr; gap: 7px 16px; margin: 0; }
+.shortcuts dt { white-space: nowrap; } .shortcuts dd { margin: 0; }
+kbd { font: inherit; font-size: 12px; padding: 1px 6px; border-radius: 5px; border: 1px solid color-mix(in srgb, var(--ink) 30%, transparent); }
+.ball-box:focus-visible { outline: 2px solid var(--accent); outline-offset: 3px; }
 .materials, .label-map, .ring, .lasso { display: none; }
 .editing .materials { display: flex; }
 .editing .label-map, .editing .lasso { display: block; }
@@ -80,7 +92,6 @@ button svg { width: 15px; height: 15px; fill: currentColor; margin-left: -3px; }
 .materials { flex-direction: column; gap: 10px; padding: 12px 16px; border-top: 1px solid var(--line); height: 262px; }
 .tools { display: flex; gap: 8px; align-items: center; }
 .tools button { padding: 4px 10px; min-height: 30px; }
-.tools .undo, .tools .redo { padding: 4px 6px; }
 .tools .brush, .tools .fill, .tools .split { padding: 4px 9px; }
 .tools svg { fill: none; stroke: currentColor; stroke-width: 2; stroke-linecap: round; stroke-linejoin: round; margin: 0; }
 .tools button[aria-pressed=true] { background: var(--accent); border-color: var(--accent); color: #1c1206; }
@@ -132,6 +143,8 @@ button:disabled { opacity: .4; cursor: default; background: transparent; }
 .ring { position: absolute; left: 0; top: 0; border-radius: 50%; border: 1.5px solid #fff; pointer-events: none;
   box-shadow: 0 0 0 1px rgba(0, 0, 0, .7), inset 0 0 0 1px rgba(0, 0, 0, .5); }
 .editing .stage[data-tool=brush]:hover .ring { display: block; }
+.alone { grid-template-columns: minmax(0, 720px); justify-content: center; }
+.alone .stage { height: min(72vh, 620px); }
 @container (max-width: 600px) {
   .relight { grid-template-columns: minmax(0, 1fr); }
   .card.relit { order: -1; }
