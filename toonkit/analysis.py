@@ -9,6 +9,7 @@ from os import PathLike
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from toonkit._validation import BoolArray, FloatArray, check_unit_light, of_type, refuse, same_mask
 from toonkit.estimation.color_map_fit import allowed_intervals
@@ -278,6 +279,26 @@ class ToonAnalysis:
         from toonkit.export.archive import save_analysis  # noqa: PLC0415 - archives stand above analyses
 
         save_analysis(self, path)
+
+    def save_html(self, path: str | PathLike[str], light: ArrayLike = (35.0, 40.0)) -> None:
+        """
+        Write one HTML file that shows the picture under a light that its reader drags, without Python or a network.
+
+        Parameters
+        ----------
+        path : path
+            Ends in .html.
+        light : array_like, shape (3,) or (2,), optional
+            The light to begin with, as in `toonkit.relight`.
+
+        Raises
+        ------
+        ToonkitError
+            If the suffix is another, the light is refused, or the file cannot be written.
+        """
+        from toonkit.viz.offline_page import write_offline_page  # noqa: PLC0415 - viz stands above analyses
+
+        write_offline_page(self, path, light)
 
     def _each_material(self) -> Iterator[tuple[PaintedMaterial, bool, ColorMap]]:
         """Yield of each material its pixels, whether it is flat, and its color map."""
