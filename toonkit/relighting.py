@@ -102,7 +102,8 @@ def relight(
     disappears at the first turn of the light, because it would remain as a scratch where the edge was.
 
     A flat material of color b becomes c' = c + s (M(I') - b). The factor s grows from 0 to `flat_shading` as the light
-    turns by `FULL_TURN`, so that shadows come in gradually. Pixels that the object covers in part change as the nearest
+    turns by `FULL_TURN`, so that shadows come in gradually. Recolored materials (`ToonAnalysis.recolored`) are first
+    painted with their new color maps under the drawing's light. Pixels that the object covers in part change as the nearest
     object pixel does. Line art stays as drawn. Where it covers a pixel in part, the rest of the pixel changes, and so
     do pixels that two materials share. A highlight moves with the paint beneath it and fades as w does for a small d,
     with r = `HIGHLIGHT_RANGE`.
@@ -138,10 +139,13 @@ def relight(
     paint = Paint.of(analysis, palette, keep_detail=keep_detail)
     mixed = paint.mixed
     strength = flat_shading * (turn_share(analysis.light, light) if keep_detail else 1.0)
-    color = np.empty_like(image.color)
+    color, painted = np.empty_like(image.color), image.color
+    if analysis.is_recolored.any():
+        painted = painted.copy()
+        painted[image.mask] = analysis.recolor(image.color[image.mask], slice(None))
     before = np.cumsum(np.count_nonzero(image.mask, axis=1)) - np.count_nonzero(image.mask, axis=1)
     run_in_bands(
-        _paint, labels, before, analysis.normals.compact, image.color, analysis.light, light,
+        _paint, labels, before, analysis.normals.compact, painted, analysis.light, light,
         *_stacked(paint.materials), float(strength), bool(keep_detail), color,
     )  # fmt: skip
     glow = LightColor.of(shine, float(ambient), analysis.materials.color_maps)
@@ -273,7 +277,8 @@ def relight_pixels(
     # Painted as a picture one pixel wide, with the pixels that the mixed ones show.
     every = np.concatenate([pixels, mixed.sources.ravel()])
     at = drawing.places(every)
-    labels, painted = analysis.materials.labels[at][:, None], analysis.image.color[at][:, None]
+    labels, drawn = analysis.materials.labels[at][:, None], analysis.image.color[at][:, None]
+    painted = analysis.recolor(drawn[:, 0], every)[:, None]
     rows, normals = np.arange(len(every)), analysis.normals.compact[every]
     for new_light in new_lights:
         color = np.empty_like(painted)
@@ -283,10 +288,10 @@ def relight_pixels(
             *_stacked(paint.materials), float(strength), bool(keep_detail), color,
         )  # fmt: skip
         left = highlights_left(normals[place] @ (new_light - light))
-        before, after = (colors[len(pixels) :].reshape(-1, 2, 3) for colors in (painted, color))
+        before, after = (colors[len(pixels) :].reshape(-1, 2, 3) for colors in (drawn, color))
         color[place, 0] = mixed.over(before, after, left)
         own = slice(len(pixels)), 0
-        yield paint.rounded(color[own], painted[own], labels[own], place[mixed.highlit])
+        yield paint.rounded(color[own], drawn[own], labels[own], place[mixed.highlit])
 
 
 def highlights_left(change: FloatArray) -> FloatArray:

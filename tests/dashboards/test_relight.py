@@ -8,8 +8,9 @@ from io import BytesIO
 import numpy as np
 import pytest
 from PIL import Image
+from playwright.sync_api import expect
 
-from tests.dashboards.conftest import wait_until_all_have_left
+from tests.dashboards.conftest import START_SECONDS, wait_until_all_have_left
 
 pytestmark = pytest.mark.browser
 
@@ -363,3 +364,18 @@ def test_without_webgl_python_paints_the_picture(page, relight_url, complaints):
     drag(page, ".card.relit .ball-box", (-0.5, 0.0))
     page.wait_for_timeout(1500)
     assert np.abs(relit_pixels(page) - before).max() > 30
+
+
+def test_on_a_narrow_page_the_sidebar_is_closed_until_it_is_asked_for(browser, relight_url):
+    page = browser.new_page(viewport={"width": 420, "height": 800})
+    page.goto(relight_url)
+    page.wait_for_selector(".relight:not(.empty)", timeout=START_SECONDS * 1000)
+    method = page.get_by_role("radiogroup", name="Method")
+    expect(method).to_be_hidden()
+    page.get_by_role("button", name="Open drawer").click()
+    expect(method).to_be_visible()
+    page.close()
+
+
+def test_on_a_wide_page_the_sidebar_is_open(relight_page):
+    expect(relight_page.get_by_role("radiogroup", name="Method")).to_be_visible()

@@ -54,11 +54,12 @@ def materials_page(motley_page):
 
 
 def swatches(page):
-    return page.locator(".swatch:not(.new):not(.ghost)")
+    return page.locator(".swatch:not(.new):not(.ghost):not(.mark)")
 
 
 def button(page, name):
-    return page.locator(".tools").get_by_role("button", name=name)
+    where = page.locator(".history" if name in ("Undo", "Redo") else ".tools")
+    return where.get_by_role("button", name=name)
 
 
 def place(page, share):
@@ -118,6 +119,7 @@ def test_a_part_that_is_clicked_is_chosen_here_and_in_the_color_map_tab(material
     expect(cards.nth(1)).to_have_attribute("aria-checked", "true")
     cards.nth(0).click()
     expect(swatches(materials_page).nth(0)).to_have_attribute("aria-pressed", "true")
+    materials_page.locator(".card.original header").scroll_into_view_if_needed()
     materials_page.mouse.click(*place(materials_page, BALL))
     expect(materials_page.locator(".swatch[aria-pressed=true]")).to_have_count(0)
 
@@ -227,7 +229,6 @@ def test_the_light_of_the_drawing_is_not_moved_while_materials_are_corrected(mat
     materials_page.get_by_role("button", name="Light", exact=True).click()
     expect(materials_page.locator(".card.original .ball-box")).to_be_visible()
     assert materials_page.evaluate(LIGHT) == pytest.approx(light, abs=0.01)
-    materials_page.keyboard.press("Control+z")
     expect(materials_page.locator(".label-map")).to_be_hidden()
 
 
@@ -253,6 +254,88 @@ def test_what_is_downloaded_is_the_corrected_analysis(materials_page):
     assert np.abs(downloaded - expected)[image.mask].max() <= 1
 
 
+def test_a_region_is_filled_with_a_click_and_taken_back(materials_page):
+    swatches(materials_page).nth(0).click()
+    button(materials_page, "Fill").click()
+    materials_page.mouse.click(*place(materials_page, BADGE))
+    settled(materials_page, 1)
+    button(materials_page, "Undo").click()
+    settled(materials_page, 2)
+
+
+def test_a_lasso_makes_a_new_material_of_what_it_encloses(materials_page):
+    swatches(materials_page).nth(0).click()
+    button(materials_page, "Split").click()
+    corners = [place(materials_page, corner) for corner in ((0.2, 0.2), (0.5, 0.2), (0.5, 0.45), (0.2, 0.45))]
+    materials_page.mouse.move(*corners[0])
+    materials_page.mouse.down()
+    for corner in corners[1:]:
+        materials_page.mouse.move(*corner, steps=8)
+    assert materials_page.locator(".lasso polygon").get_attribute("points").count(",") > 10
+    materials_page.mouse.up()
+    settled(materials_page, 3)
+    expect(materials_page.locator(".swatch[aria-pressed=true]")).to_have_count(1)
+    share = share_of(materials_page, 1)
+    wait_until_idle(materials_page)
+    assert share_of(materials_page, 1) == share  # Python encloses what the page has enclosed
+
+
+def test_what_is_marked_as_ink_is_relit_as_drawn_and_is_no_material(materials_page):
+    for slider, degrees in (("azimuth", "300"), ("elevation", "5")):
+        materials_page.get_by_role("slider", name=f"Relit: {slider}").fill(degrees)
+    assert until(materials_page, lambda: np.abs(relit_color(materials_page, BADGE) - (200, 30, 40)).max() > 3)
+    mark(materials_page, "Ink").click()
+    button(materials_page, "Fill").click()
+    materials_page.mouse.click(*place(materials_page, BADGE))
+    settled(materials_page, 1)
+    assert until(materials_page, lambda: np.abs(relit_color(materials_page, BADGE) - (200, 30, 40)).max() < 3)
+    assert shown_color(materials_page, BADGE).max() < 60
+    button(materials_page, "Undo").click()
+    settled(materials_page, 2)
+
+
+@pytest.mark.parametrize("name", ["Highlight", "Cast shadow"])
+def test_a_highlight_or_cast_shadow_is_painted_and_gone_under_another_light(materials_page, name):
+    for slider, degrees in (("azimuth", "0"), ("elevation", "0")):
+        materials_page.get_by_role("slider", name=f"Relit: {slider}").fill(degrees)
+    mark(materials_page, name).click()
+    button(materials_page, "Fill").click()
+    materials_page.mouse.click(*place(materials_page, BADGE))
+    settled(materials_page, 1)
+    color = relit_color(materials_page, BADGE)
+    assert until(materials_page, lambda: np.ptp(relit_color(materials_page, BADGE)) < 12), (
+        color
+    )  # gray as the ball is
+    materials_page.keyboard.press("Control+z")
+    settled(materials_page, 2)
+
+
+def test_marks_are_found_with_the_keyboard_and_painted_over_with_a_material(materials_page):
+    mark(materials_page, "Plain paint").focus()
+    materials_page.keyboard.press("Enter")
+    expect(button(materials_page, "Brush")).to_have_attribute("aria-pressed", "true")
+    mark(materials_page, "Ink").click()
+    drag(materials_page, place(materials_page, (0.3, 0.3)), place(materials_page, (0.45, 0.3)))
+    settled(materials_page, 2)
+    assert until(materials_page, lambda: shown_color(materials_page, (0.4, 0.3)).max() < 250)
+    swatches(materials_page).nth(0).click()
+    button(materials_page, "Brush").click()
+    drag(materials_page, place(materials_page, (0.3, 0.3)), place(materials_page, (0.45, 0.3)))
+    settled(materials_page, 2)
+
+
+def mark(page, name):
+    return page.get_by_role("group", name="Mark as").get_by_role("button", name=name)
+
+
+def relit_color(page, share):
+    """Color on screen of a place of the relit picture."""
+    x, y = place(page, share)
+    one, other = (page.locator(f".card.{card} .stage").bounding_box() for card in ("original", "relit"))
+    shot = page.screenshot(clip={"x": x - one["x"] + other["x"] - 2, "y": y - 2, "width": 4, "height": 4})
+    return np.asarray(Image.open(BytesIO(shot)).convert("RGB"), dtype=int).mean(axis=(0, 1))
+
+
 def test_another_drawing_shows_its_own_materials(materials_page):
     materials_page.mouse.click(*place(materials_page, BADGE))
     materials_page.locator('[data-value="pear"]').click()
@@ -265,7 +348,6 @@ def test_on_a_narrow_page_materials_are_corrected_above_the_tabs(browser, religh
     page = browser.new_page(viewport={"width": 420, "height": 800})
     page.goto(relight_url)
     page.wait_for_selector(".relight:not(.empty)", timeout=START_SECONDS * 1000)
-    page.keyboard.press("Escape")  # closes the sidebar
     page.get_by_role("button", name="Materials", exact=True).click()
     swatches(page).nth(1).click()
     expect(swatches(page).nth(1)).to_have_attribute("aria-pressed", "true")
