@@ -64,11 +64,11 @@ def test_the_same_drawing_in_four_times_the_pixels_is_seen_alike():
         reduced, _ = overview(size)
         square = WorkingSquare.around(reduced.grid, np.array([0.6, 0.8]))
         seen.append(reduced.seen_from(square))
-    (mask, _, tones, normals), (mask_2, _, tones_2, normals_2) = seen
-    both = mask & mask_2
-    assert (mask ^ mask_2).mean() < 0.01
-    assert (np.abs(tones - tones_2)[both] > 0.01).mean() < 0.03
-    assert np.abs(normals - normals_2)[both].mean() < 0.02
+    small, large = seen
+    both = small.mask & large.mask
+    assert (small.mask ^ large.mask).mean() < 0.01
+    assert (np.abs(small.tones - large.tones)[both] > 0.01).mean() < 0.03
+    assert np.abs(small.initial - large.initial)[both].mean() < 0.02
 
 
 @pytest.mark.parametrize("radius", [60, 190])
@@ -79,11 +79,22 @@ def test_ink_is_seen_where_it_is_drawn_and_the_paint_beneath_by_its_neighbors(ra
     image = ToonImage(np.where(ink[..., None], 0.02, clean.color), shape.mask)
     reduced = seen_in(image)
     square = WorkingSquare.around(reduced.grid, np.array([1.0, 0.0]))
-    mask, seen, tones, _ = reduced.seen_from(square)
-    rim = mask & (distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1] <= 1.0)
-    assert seen[rim].mean() > 0.9
-    assert not seen[distance_transform_edt(mask) > 5].any()
-    assert tones[mask].min() > 0.1
+    seen = reduced.seen_from(square)
+    rim = seen.mask & (distance_transform_edt(np.pad(seen.mask, 1))[1:-1, 1:-1] <= 1.0)
+    assert seen.ink[rim].mean() > 0.9
+    assert not seen.ink[distance_transform_edt(seen.mask) > 5].any()
+    assert seen.tones[seen.mask].min() > 0.1
+
+
+@pytest.mark.parametrize("radius", [60, 190])
+def test_materials_are_seen_where_they_are_painted(radius):
+    shape = ellipse(radius, 0.8 * radius)
+    labels = np.where(shape.x > 0, 1, 0)
+    reduced = overview_of(prepare(painted(shape.normals, TWO_TONE), materials=labels))
+    seen = reduced.seen_from(WorkingSquare.around(reduced.grid, np.array([1.0, 0.0])))
+    middle = seen.labels.shape[1] // 2
+    for number, half in enumerate((np.s_[:, : middle - 1], np.s_[:, middle + 1 :])):
+        assert (seen.labels[half][seen.mask[half]] == number).all()
 
 
 def test_without_ink_none_is_seen():

@@ -15,6 +15,7 @@ from toonkit.estimation.shape_prior import (
     completed,
     correct_shape,
     features,
+    material_borders,
     misfit,
 )
 from toonkit.estimation.working_square import SIZE
@@ -33,8 +34,8 @@ def lit_drawing(bands: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def uninked(tones: np.ndarray, mask: np.ndarray, *others: object) -> np.ndarray:
-    """What is seen of a drawing without ink."""
-    return features(tones, mask, np.zeros_like(mask), *others)
+    """What is seen of a drawing in one material without ink."""
+    return features(tones, mask, np.zeros_like(mask), None, *others)
 
 
 def illumination(normals: np.ndarray) -> np.ndarray:
@@ -131,13 +132,24 @@ def test_the_object_sees_itself_its_normals_and_the_light() -> None:
     assert seen[10][mask] == pytest.approx(np.cos(ELEVATION))
 
 
-def test_ink_is_seen_on_the_object_alone() -> None:
+def test_ink_and_borders_are_seen_on_the_object_alone() -> None:
     tones, mask, normals = lit_drawing(3)
-    ink = np.zeros_like(mask)
-    ink[40:60] = True
-    seen = features(tones, mask, ink, normals, ELEVATION)
+    ink, borders = np.zeros((2, *mask.shape), np.bool_)
+    ink[40:60], borders[:, 40:60] = True, True
+    seen = features(tones, mask, ink, borders, normals, ELEVATION)
     assert np.array_equal(seen[11], ink & mask)
+    assert np.array_equal(seen[12], borders & mask)
     assert np.array_equal(seen[:11], uninked(tones, mask, normals, ELEVATION)[:11])
+
+
+def test_materials_meet_inside_the_object_and_not_at_its_outline() -> None:
+    mask = np.zeros((SIZE, SIZE), np.bool_)
+    mask[20:70, 10:80] = True
+    labels = np.where(np.arange(SIZE) < 40, 0, 1) * np.ones((SIZE, 1))
+    borders = material_borders(labels, mask)
+    assert np.array_equal(np.flatnonzero(borders.any(axis=0)), [39])
+    assert np.array_equal(borders[:, 39], mask[:, 39])
+    assert not material_borders(np.where(mask, 0, -1), mask).any()
 
 
 def test_the_same_drawing_is_always_seen_alike_and_left_as_it_was() -> None:

@@ -51,7 +51,7 @@ def test_a_file_is_known_by_its_content(tmp_path):
 
 def test_each_network_has_a_digest_of_its_weights():
     digests = weights_digests()
-    assert set(digests) == {"shape_prior", "light_prior"}
+    assert set(digests) == {"shape_prior", "colored_shape_prior", "light_prior"}
     assert len(set(digests.values())) == len(digests)
 
 

@@ -69,7 +69,7 @@ def test_a_plan_has_a_digest_of_each_of_its_parts():
     assert set(digests["shape"]) == {"cat"}
     assert len(set(digests["color_map"].values())) == len(load_color_maps())
     assert digests["method_file"] == {"lumo": None, "flat": None}
-    assert set(digests["weights"]) == {"shape_prior", "light_prior"}
+    assert set(digests["weights"]) == {"shape_prior", "colored_shape_prior", "light_prior"}
 
 
 def test_a_method_depends_on_the_file_that_is_named_for_it(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import fields
 from itertools import islice, repeat
 from pathlib import Path
 
@@ -16,10 +17,12 @@ from toonkit.estimation.working_square import FILL, SIZE
 from toonkit.training import dataset
 from toonkit.training.dataset import CUT_OFF, Dataset, cut_off, make_dataset
 from toonkit.training.drawings import DOUBTS, ELEVATIONS, Drawing, Drawings, tilted
+from toonkit.training.families import random_solid
 from toonkit.training.rendering import Rendered, render_solid
-from toonkit.training.solids import random_solid
 
 VARIANTS = range(8)
+
+FIELDS = [field.name for field in fields(Dataset)]
 
 
 @pytest.fixture(autouse=True)
@@ -34,10 +37,7 @@ def made(folder: Path, count: int = 3, seed: int = 5, workers: int = 1) -> Datas
 
 
 def same(first: Dataset, second: Dataset) -> bool:
-    return all(
-        np.array_equal(getattr(first, name), getattr(second, name))
-        for name in ("normals", "initial_normals", "masks", "contours")
-    )
+    return all(np.array_equal(getattr(first, name), getattr(second, name)) for name in FIELDS)
 
 
 def test_as_many_shapes_as_wanted_with_truth_and_inflated_normals(tmp_path: Path) -> None:
@@ -56,6 +56,7 @@ def test_as_many_shapes_as_wanted_with_truth_and_inflated_normals(tmp_path: Path
     assert first is not None
     assert np.array_equal(shapes.masks[0], first.mask)
     assert np.array_equal(shapes.contours[0], first.contours)
+    assert np.array_equal(shapes.parts[0], first.parts)
     assert shapes.normals[0] == pytest.approx(first.normals, abs=1e-3)
     inflated = np.nan_to_num(inflate(first.mask, alpha=first.coverage).vectors)
     assert shapes.initial_normals[0] == pytest.approx(inflated, abs=1e-3)
@@ -88,7 +89,7 @@ def test_a_missing_shard_is_made_again_as_it_was(tmp_path: Path) -> None:
 
 def test_shapes_do_not_depend_on_how_many_are_made_or_by_how_many(tmp_path: Path) -> None:
     few, many = made(tmp_path / "few"), made(tmp_path / "many", count=5, workers=3)
-    assert same(few, Dataset(many.normals[:3], many.initial_normals[:3], many.masks[:3], many.contours[:3]))
+    assert same(few, Dataset(**{name: getattr(many, name)[:3] for name in FIELDS}))
 
 
 def test_another_seed_makes_other_shapes_and_no_two_are_alike(tmp_path: Path) -> None:
@@ -164,35 +165,35 @@ def test_a_shape_that_was_cut_off_stands_as_near_the_middle_as_its_frame_allows(
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_the_inflated_normals_of_a_view_are_those_of_its_mask(variant: int) -> None:
     """Inflation is done anew: no rotation of vectors is taken on trust."""
-    _, initial, mask, _ = ellipsoids(2).view(0, variant)
-    inflated = np.nan_to_num(inflate(mask).vectors)
-    assert np.abs(initial - inflated).max() < 3e-3  # 16-bit numbers, and the membrane is solved to 1e-5
+    shape = ellipsoids(2).view(0, variant)
+    inflated = np.nan_to_num(inflate(shape.mask).vectors)
+    assert (
+        np.abs(shape.initial_normals - inflated).max() < 3e-3
+    )  # 16-bit numbers, and the membrane is solved to 1e-5
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_the_truth_of_a_view_turns_with_its_initial_normals(variant: int) -> None:
-    truth, initial, mask, _ = ellipsoids(2).view(1, variant)
-    straight, before, _, _ = ellipsoids(2).view(1, 0)
+    straight, shape = (ellipsoids(2).view(1, which) for which in (0, variant))
     # A turn or a reflection of the picture changes no angle between two normals at a pixel.
-    now = (truth * initial).sum(axis=-1)[mask]
-    assert np.sort(now) == pytest.approx(
-        np.sort((straight * before).sum(axis=-1)[ellipsoids(2).masks[1]]), abs=1e-6
-    )
-    assert not truth[~mask].any()
-    assert truth.dtype == np.float32
+    before, now = (np.sort((s.normals * s.initial_normals).sum(axis=-1)[s.mask]) for s in (straight, shape))
+    assert now == pytest.approx(before, abs=1e-6)
+    assert not shape.normals[~shape.mask].any()
+    assert shape.normals.dtype == np.float32
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_the_views_are_the_turns_in_which_the_light_prior_asks(variant: int) -> None:
     def seen(which: int) -> np.ndarray:
-        truth, initial, mask, contours = ellipsoids(2).view(0, which)
-        return light_prior.features(np.where(mask, truth[..., 2], 0), mask, contours, initial)
+        shape = ellipsoids(2).view(0, which)
+        tones = np.where(shape.mask, shape.normals[..., 2] + shape.parts, 0)
+        return light_prior.features(tones, shape.mask, shape.contours, shape.initial_normals)
 
     assert np.array_equal(seen(variant), light_prior.turned(seen(0), *light_prior.TURNS[variant]))
 
 
 def test_the_eight_views_differ() -> None:
-    masks = [ellipsoids(2).view(0, variant)[2] for variant in VARIANTS]
+    masks = [ellipsoids(2).view(0, variant).mask for variant in VARIANTS]
     assert all((masks[i] != masks[j]).any() for i in VARIANTS for j in range(i))
 
 
@@ -294,3 +295,28 @@ def test_only_the_shapes_asked_for_are_drawn() -> None:
     rng = np.random.default_rng(0)
     drawn = {int(Drawings(shapes, 1, 3).draw(rng, turned=False).mask.sum()) for _ in range(40)}
     assert drawn == sizes
+
+
+def test_of_flat_materials_and_under_ink_the_nearest_shading_is_seen() -> None:
+    drawings = Drawings(ellipsoids(3), 0, 3)
+    drawn = [
+        drawings.draw(np.random.default_rng(seed), turned=True, inked=seed % 2, colored=True)
+        for seed in range(60)
+    ]
+    hidden = [drawing for drawing in drawn if drawing.ink.sum() > 0.3 * drawing.mask.sum()]
+    assert len(hidden) > 5
+    for drawing in hidden:
+        shown = drawing.mask & ~drawing.ink
+        assert shown.any()
+        row, column = np.argwhere(drawing.ink)[7]
+        places = np.argwhere(shown)
+        away = np.hypot(*(places - [row, column]).T)
+        nearest = places[away == away.min()]
+        assert drawing.tones[row, column] in drawing.tones[tuple(nearest.T)]
+
+
+def test_materials_meet_where_parts_do() -> None:
+    drawings = Drawings(ellipsoids(3), 0, 3)
+    drawn = [drawings.draw(np.random.default_rng(seed), turned=True, colored=True) for seed in range(40)]
+    assert 0.4 < np.mean([drawing.borders.any() for drawing in drawn]) < 1.0
+    assert drawings.draw(np.random.default_rng(0), turned=True).borders is None

@@ -15,21 +15,9 @@ import pytest
 from scipy import ndimage
 
 from toonkit import training
+from toonkit.training.families import FAMILIES, Family, random_solid, sheet, turned_on_a_lathe
 from toonkit.training.rendering import MARGIN, SUBPIXELS, Rendered, render_solid
-from toonkit.training.solids import (
-    BOX,
-    CAPSULE,
-    CONE,
-    ELLIPSOID,
-    FAMILIES,
-    REACH,
-    TORUS,
-    Family,
-    Solid,
-    random_solid,
-    sheet,
-    turned_on_a_lathe,
-)
+from toonkit.training.solids import BOX, CAPSULE, CONE, ELLIPSOID, REACH, TORUS, Solid
 
 FRAME = 0.013  # of a picture's width: the silhouette's ends are looked for in steps that small
 
@@ -188,6 +176,23 @@ def test_what_is_nearer_hides_what_is_behind() -> None:
     shown, hidden = (rendered(solid(*balls, centers=[(0, 0, 0), (0, 0, z)])) for z in (1, -1))
     assert np.array_equal(hidden.normals, rendered(solid(balls[0])).normals)
     assert degrees_between(shown.normals[48, 57], hidden.normals[48, 57]) > 20
+
+
+def test_each_pixel_tells_which_part_it_shows() -> None:
+    shape = solid((ELLIPSOID, (1, 1, 1)), (ELLIPSOID, (0.4, 0.4, 0.4)), centers=[[0, 0, 0], [0, 0, 0.9]])
+    parts = rendered(shape).parts
+    assert np.array_equal(np.unique(parts), [-1, 0, 1])
+    assert parts[48, 48] == 1
+    away = np.hypot(*(np.indices(parts.shape) - 47.5)) / 48 * (1 + 2 * MARGIN)
+    assert (parts[away < 0.35] == 1).all()
+    assert (parts[(away > 0.45) & (away < 0.95)] == 0).all()
+
+
+def test_a_cut_shows_the_part_that_it_is_cut_from() -> None:
+    shape = solid(
+        (BOX, (1, 1, 1)), (ELLIPSOID, (0.5, 0.5, 0.5)), centers=[[0, 0, 0], [0, 0, 1]], widths=[0.01, -0.01]
+    )
+    assert set(np.unique(rendered(shape).parts)) == {-1, 0}
 
 
 def test_a_contour_runs_where_a_part_ends_in_front_of_another_and_nowhere_else() -> None:

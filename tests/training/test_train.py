@@ -16,15 +16,17 @@ from toonkit import ToonkitError, light_direction
 from toonkit.estimation.shape_prior import features
 from toonkit.estimation.working_square import SIZE
 from toonkit.training import light_task, shape_task, train
-from toonkit.training.drawings import INKED, Drawing, Drawings
+from toonkit.training.drawings import INKED, OUTLINED, Drawing, Drawings
 from toonkit.training.light_task import LightTask
 from toonkit.training.network import exported
-from toonkit.training.shape_task import ShapeTask, chord
+from toonkit.training.shape_task import ColoredShapeTask, ShapeTask, chord
 from toonkit.training.train import Training, TrainingOptions
 
 pytestmark = pytest.mark.usefixtures("narrow", "one_thread")
 
-TASKS = pytest.mark.parametrize("task", [ShapeTask, LightTask], ids=["shape", "light"])
+TASKS = pytest.mark.parametrize(
+    "task", [ShapeTask, ColoredShapeTask, LightTask], ids=["shape", "colored", "light"]
+)
 
 
 def options(steps: int = 6, **others: float) -> TrainingOptions:
@@ -38,10 +40,8 @@ def drawings(count: int = 3) -> Drawings:
 class OneBatch(Drawings):
     """The same four drawings in every step."""
 
-    def draw(
-        self, rng: np.random.Generator, *, turned: bool, doubtful: bool = False, inked: float = 0.0
-    ) -> Drawing:
-        del rng, doubtful, inked
+    def draw(self, rng: np.random.Generator, *, turned: bool, **others: object) -> Drawing:
+        del rng, others
         object.__setattr__(self, "last", (self.last + 1) % 4)
         return Drawings(self.dataset, 0, len(self.dataset)).draw(
             np.random.default_rng(self.last), turned=turned
@@ -261,22 +261,30 @@ def test_a_checkpoint_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch
     assert path.read_bytes() == before
 
 
-@pytest.mark.parametrize(("task", "doubtful"), [(ShapeTask(), True), (LightTask(), False)])
-def test_only_the_shape_is_learned_under_doubtful_lights_and_both_are_judged_with_ink_and_without(
-    task, doubtful, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("task", "learned", "colored"),
+    [
+        (ShapeTask(), (True, INKED), False),
+        (ColoredShapeTask(), (True, OUTLINED), True),
+        (LightTask(), (False, INKED), False),
+    ],
+)
+def test_only_shapes_are_learned_under_doubtful_lights_and_all_are_judged_with_ink_and_without(
+    task, learned, colored, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     noted = []
     draw = Drawings.draw
 
     def noting(self: Drawings, rng: np.random.Generator, **asked: bool) -> Drawing:
-        noted.append((asked.get("doubtful", False), asked["inked"]))
+        noted.append((asked.get("doubtful", False), asked["inked"], asked.get("colored", False)))
         return draw(self, rng, **asked)
 
     monkeypatch.setattr(Drawings, "draw", noting)
     network = task.network().eval()
     task.loss(network, drawings(), np.random.default_rng(0), 4)
     task.figures(network, drawings(), 4)
-    assert noted == [(doubtful, INKED)] * 4 + [(False, 0.0)] * 4 + [(False, 1.0)] * 4
+    asked = [(*learned, colored), (False, 0.0, colored), (False, 1.0, colored)]
+    assert noted == [each for each in asked for _ in range(4)]
 
 
 def test_the_network_is_told_how_much_the_light_of_a_drawing_is_in_doubt(
@@ -300,7 +308,8 @@ def test_the_network_is_told_how_much_the_light_of_a_drawing_is_in_doubt(
 
 def unpainted(mask: np.ndarray, truth: np.ndarray) -> Drawing:
     tones, light = np.zeros(mask.shape, np.float32), light_direction(0, 40).astype(np.float32)
-    return Drawing(tones, np.zeros_like(mask), mask, truth, truth, light, 0.0)
+    nothing = np.zeros_like(mask)
+    return Drawing(tones, nothing, None, mask, truth, truth, light, 0.0)
 
 
 def test_the_error_of_tilted_normals_is_their_tilt() -> None:

@@ -96,10 +96,10 @@ def believed_light(drawing: ToonImage | PreparedDrawing, initial_normals: Normal
 def _seen_on(overview: Overview) -> LightBelief:
     """Predict the light of one island."""
     square = WorkingSquare.around(overview.grid, np.array([1.0, 0.0]))
-    mask, ink, tones, initial = overview.seen_from(square)
-    if not mask.any():  # a line thinner than the square's pixels
+    drawn = overview.seen_from(square)
+    if not drawn.mask.any():  # a line thinner than the square's pixels
         return LightBelief(np.array([0.0, 0.0, 1.0]), LEAST_CONCENTRATION)
-    seen = features(tones, mask, ink, initial)
+    seen = features(drawn.tones, drawn.mask, drawn.ink, drawn.initial)
     weights = read_weights("light_prior")
     answers = [_undone(summary(weights, turned(seen, *turn)), *turn) for turn in TURNS]
     means = np.array([answer[:3] / np.linalg.norm(answer[:3]) for answer in answers])

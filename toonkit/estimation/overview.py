@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,6 +35,8 @@ class ReducedPaint:
         Plain tone of the mean light of each block: the tone that the drawing would have had at this size.
     ink : ndarray, shape (Q,)
         bool, the blocks of whose object ink touches at least half.
+    labels : ndarray, shape (Q,)
+        int, the material of a pixel of each block.
     """
 
     grid: MaskedGrid
@@ -41,6 +44,30 @@ class ReducedPaint:
     filled: BoolArray
     tones: FloatArray
     ink: BoolArray
+    labels: IndexArray
+
+
+class Seen(NamedTuple):
+    """
+    What of a drawing is seen on a square, each of shape (SIZE, SIZE) or (SIZE, SIZE, 3), zero beside the object.
+
+    Attributes
+    ----------
+    mask, ink : ndarray of bool
+        The object, and where its paint shows no shading.
+    labels : ndarray of float32
+        Numbers of the materials.
+    tones : ndarray of float32
+        The paint's tones.
+    initial : ndarray of float32
+        N0.
+    """
+
+    mask: BoolArray
+    ink: BoolArray
+    labels: Array
+    tones: Array
+    initial: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,21 +87,24 @@ class Overview(ReducedPaint):
     def of(cls, paint: ReducedPaint, initial: FloatArray) -> Overview:
         """Add N0 (P, 3) to a drawing that has been reduced."""
         directions = _directions(paint.steps, initial)[paint.filled]
-        return cls(paint.grid, paint.steps, paint.filled, paint.tones, paint.ink, directions)
+        return cls(paint.grid, paint.steps, paint.filled, paint.tones, paint.ink, paint.labels, directions)
 
     @property
     def factor(self) -> int:
         """Pixels to a block's side."""
         return 1 << len(self.steps)
 
-    def seen_from(self, square: WorkingSquare) -> tuple[BoolArray, BoolArray, Array, Array]:
-        """Mask, ink, tones and N0 on a square of the overview; zero beside the object."""
+    def seen_from(self, square: WorkingSquare) -> Seen:
+        """Look at the overview on a square."""
         blocks = square.sampled_pixels(self.grid)
-        ink = _sampled(self.ink, blocks) > 0
-        return blocks != OUTSIDE, ink, _sampled(self.tones, blocks), _sampled(self.initial, blocks)
+        fields = (self.labels, self.tones, self.initial)
+        labels, tones, initial = (_sampled(field, blocks) for field in fields)
+        return Seen(blocks != OUTSIDE, _sampled(self.ink, blocks) > 0, labels, tones, initial)
 
 
-def reduce_paint(grid: MaskedGrid, light: FloatArray, tones: FloatArray, inked: FloatArray) -> ReducedPaint:
+def reduce_paint(
+    grid: MaskedGrid, light: FloatArray, tones: FloatArray, inked: FloatArray, labels: IndexArray
+) -> ReducedPaint:
     """
     Reduce an object's paint to blocks, `LONGEST` to its longer side at most.
 
@@ -88,6 +118,8 @@ def reduce_paint(grid: MaskedGrid, light: FloatArray, tones: FloatArray, inked: 
         Its tones without mixtures.
     inked : ndarray, shape (P,)
         One where ink touches the pixel, else zero.
+    labels : ndarray of int, shape (P,)
+        Numbers of its materials.
 
     Returns
     -------
@@ -108,7 +140,11 @@ def reduce_paint(grid: MaskedGrid, light: FloatArray, tones: FloatArray, inked: 
         mean = (_block_sums(steps, light) / area[:, None])[filled]
         tones = PaintedTones.between(mean, linear_to_srgb(mean @ REC709), reduced.rows, reduced.columns).plain
     ink = (2 * _block_sums(steps, inked) >= area)[filled]
-    return ReducedPaint(reduced, steps, filled, tones, ink)
+    for step in steps:
+        of_block = np.empty(step.coarse.size, labels.dtype)
+        of_block[step.parent] = labels
+        labels = of_block
+    return ReducedPaint(reduced, steps, filled, tones, ink, labels[filled] if steps else labels)
 
 
 def _halvings(grid: MaskedGrid) -> list[Coarsening]:
@@ -132,7 +168,7 @@ def _directions(steps: list[Coarsening], vectors: FloatArray) -> FloatArray:
     return total / np.maximum(length, 1e-9)
 
 
-def _sampled(values: FloatArray | BoolArray, blocks: IndexArray) -> Array:
+def _sampled(values: FloatArray | BoolArray | IndexArray, blocks: IndexArray) -> Array:
     """Values (Q, ...) of blocks (S, S); zero where there is none."""
     there = blocks != OUTSIDE
     sampled = np.zeros((*blocks.shape, *values.shape[1:]), np.float32)

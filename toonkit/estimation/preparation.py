@@ -248,13 +248,14 @@ class PreparedDrawing:
     @cached_property
     def reduced_paint(self) -> tuple[ReducedPaint, ...]:
         """Each island's tones and ink at about the resolution that the networks see."""
-        gray = self.gray
+        gray, labels = self.gray, self.frame.compact(self._found.labels)
         return tuple(
             reduce_paint(
                 island.grid,
                 gray.light[island.pixels],
                 gray.tone[island.pixels],
                 gray.hidden[island.pixels],
+                labels[island.pixels],
             )
             for island in self.islands
         )

@@ -86,8 +86,7 @@ def gray_paint(
     for material in materials:
         if material.tones is None:
             continue
-        shade = material.tones.light @ REC709
-        gray[material.pixels] = LIT * np.minimum(shade / max(float(np.quantile(shade, BRIGHTEST)), 1e-6), 1.0)
+        gray[material.pixels] = relative_shade(material.tones.light @ REC709)
         told[material.pixels] = True
     for island in islands:
         shown = told[island.pixels]
@@ -95,6 +94,11 @@ def gray_paint(
             gray[island.pixels] = _nearest(gray[island.pixels], shown, island.grid)
     light = np.repeat(gray[:, None], 3, axis=1)
     return GrayPaint(light, np.asarray(linear_to_srgb(gray)), np.maximum(inked, ~told).astype(np.float64))
+
+
+def relative_shade(shade: FloatArray) -> FloatArray:
+    """Scale the linear light (p,) of one material so that its brightest tone becomes `LIT`."""
+    return np.asarray(LIT * np.minimum(shade / max(float(np.quantile(shade, BRIGHTEST)), 1e-6), 1.0))
 
 
 def _nearest(values: FloatArray, known: BoolArray, grid: MaskedGrid) -> FloatArray:

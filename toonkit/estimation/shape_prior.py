@@ -3,7 +3,9 @@ A learned correction of the normals, before the energy does its work.
 
 A small convolutional network sees the drawing on squares of `SIZE` pixels, turned so that the light comes from the
 right and scaled so that the object fills them: it works alike at any resolution and for any azimuth of the light. It was
-trained by `python -m toonkit.training` on shapes and color maps of its own; `weights/shape_prior.json` says how.
+trained by `python -m toonkit.training` on shapes and color maps of its own; `weights/shape_prior.json` says how. Another,
+`weights/colored_shape_prior.json`, sees drawings in several materials: it learned what borders between them and flat paint
+say of the shape, at the price of a few percent on drawings in one.
 """
 
 from __future__ import annotations
@@ -38,7 +40,7 @@ FINER = 2
 """How much finer than those squares the one is on which the answers meet."""
 
 CHANNELS = 12
-"""Feature maps of `features`."""
+"""Feature maps of `features` of a drawing in one material; there is one more if there are several."""
 
 DAMPING = 0.25
 """Doubt about the light, radians, at which the network is told exp(-1) of its sine and cosine."""
@@ -68,13 +70,15 @@ def correct_shape(
         Corrected normals on the same mask. Each island is seen by itself.
     """
     drawing = prepare(drawing)
+    colored = len(drawing.painted_materials) > 1
     corrected = []
     for island, paint in zip(drawing.islands, drawing.reduced_paint, strict=True):
         initial = initial_normals.compact[island.pixels]
         overview = Overview.of(paint, initial)
         square = WorkingSquare.around(overview.grid, light[:2])
         views = [
-            _View.of(overview, light, square, wider=wider, mirrored=mirrored) for wider, mirrored in SQUARES
+            _View.of(overview, light, square, colored=colored, wider=wider, mirrored=mirrored)
+            for wider, mirrored in SQUARES
         ]
         change = (
             np.mean(run_each([view.answer_on_the_finer_square for view in views]), axis=0) * views[0].need()
@@ -107,13 +111,14 @@ def misfit(
         several islands the mean by area.
     """
     drawing = prepare(drawing)
+    colored = len(drawing.painted_materials) > 1
     overviews = [
         Overview.of(drawing.reduced_paint[k], initial_normals.compact[drawing.islands[k].pixels])
         for k in drawing.telling_islands
     ]
 
     def missed(overview: Overview, light: FloatArray) -> float:
-        view = _View.of(overview, light, WorkingSquare.around(overview.grid, light[:2]))
+        view = _View.of(overview, light, WorkingSquare.around(overview.grid, light[:2]), colored=colored)
         if not view.seen_mask.any():
             return 1.0
         seen = view.features(completed(view.initial + view.answer()))
@@ -133,6 +138,8 @@ class _View:
     ----------
     seen_mask, ink, tones, initial : ndarray, shape (SIZE, SIZE) or (SIZE, SIZE, 3)
         What is there; N0 in the square's axes.
+    borders : ndarray of bool, shape (SIZE, SIZE), or None
+        Where materials meet; None of a drawing in one material.
     elevation : float
         Of the light, radians.
     wider : float
@@ -145,6 +152,7 @@ class _View:
     ink: BoolArray
     tones: Array
     initial: Array
+    borders: BoolArray | None
     elevation: float
     wider: float
     mirrored: bool
@@ -156,17 +164,20 @@ class _View:
         light: FloatArray,
         square: WorkingSquare,
         *,
+        colored: bool,
         wider: float = 1.0,
         mirrored: bool = False,
     ) -> _View:
         """Sample a drawing's tones and N0 on the object's square, or on a wider one."""
-        mask, ink, tones, initial = overview.seen_from(square.widened(wider))
+        seen = overview.seen_from(square.widened(wider))
         elevation = float(np.arctan2(light[2], np.hypot(*light[:2])))
-        return cls(mask, ink, tones, square.turned(initial), elevation, wider, mirrored)
+        borders = material_borders(seen.labels, seen.mask) if colored else None
+        initial = square.turned(seen.initial)
+        return cls(seen.mask, seen.ink, seen.tones, initial, borders, elevation, wider, mirrored)
 
     def features(self, normals: NDArray[Any]) -> Array:
         """Return the features, given normals."""
-        return features(self.tones, self.seen_mask, self.ink, normals, self.elevation)
+        return features(self.tones, self.seen_mask, self.ink, self.borders, normals, self.elevation)
 
     @cached_property
     def seen(self) -> Array:
@@ -184,7 +195,8 @@ class _View:
         """Return the change of N0, (SIZE, SIZE, 3), that the network asks for; beside the object as at its nearest pixel."""
         if not self.seen_mask.any():
             return np.zeros_like(self.initial)
-        change = _answer(read_weights("shape_prior"), self.seen, mirrored=self.mirrored)
+        weights = read_weights("shape_prior" if self.borders is None else "colored_shape_prior")
+        change = _answer(weights, self.seen, mirrored=self.mirrored)
         change = completed(self.initial + change) - self.initial
         nearest = distance_transform_edt(~self.seen_mask, return_distances=False, return_indices=True)
         return np.asarray(change[tuple(nearest)])
@@ -203,7 +215,13 @@ def _resampled(field: NDArray[Any], wider: float, size: int) -> FloatArray:
 
 
 def features(
-    tones: Array, mask: BoolArray, ink: BoolArray, normals: NDArray[Any], elevation: float, doubt: float = 0.0
+    tones: Array,
+    mask: BoolArray,
+    ink: BoolArray,
+    borders: BoolArray | None,
+    normals: NDArray[Any],
+    elevation: float,
+    doubt: float = 0.0,
 ) -> Array:
     """
     Describe a drawing to the network.
@@ -213,7 +231,9 @@ def features(
     tones : ndarray, shape (SIZE, SIZE)
         Tones in [0, 1] of the painted colors.
     mask, ink : ndarray of bool, shape (SIZE, SIZE)
-        The object, and where ink hides its paint.
+        The object, and where its paint shows no shading.
+    borders : ndarray of bool, shape (SIZE, SIZE), or None
+        Where one material meets another; None of a drawing in one material.
     normals : ndarray, shape (SIZE, SIZE, 3)
         N0 when the network is asked, or what it made of it; the light's azimuth is zero.
     elevation : float
@@ -224,16 +244,16 @@ def features(
 
     Returns
     -------
-    ndarray of float32, shape (CHANNELS, SIZE, SIZE)
+    ndarray of float32, shape (CHANNELS, SIZE, SIZE), or one map more
         Mask, normals, illumination, the interval of illumination that rank matching on these normals gives each color
-        (Figure 4), tone, rank, the light's sine and cosine, damped by exp(-doubt / DAMPING), and ink; zero beside the
-        object.
+        (Figure 4), tone, rank, the light's sine and cosine, damped by exp(-doubt / DAMPING), ink and, if there are
+        any, borders; zero beside the object.
     """
     sine, cosine = np.sin(elevation), np.cos(elevation)
     shining = cosine * normals[..., 0] + sine * normals[..., 2]
     ranks = ToneRanks.of(tones[mask])
     ordered = np.sort(shining[mask])
-    seen = np.zeros((CHANNELS, *mask.shape), np.float32)
+    seen = np.zeros((CHANNELS + (borders is not None), *mask.shape), np.float32)
     seen[0] = mask
     seen[1:4] = np.moveaxis(normals, -1, 0)
     seen[4] = shining
@@ -244,8 +264,18 @@ def features(
     told = np.exp(-doubt / DAMPING)
     seen[9], seen[10] = told * sine, told * cosine
     seen[11] = ink
+    if borders is not None:
+        seen[12] = borders
     seen *= mask
     return seen
+
+
+def material_borders(labels: NDArray[Any], mask: BoolArray) -> BoolArray:
+    """Tell which pixels of an object have a neighbor to the right or below that is painted with another material."""
+    borders = np.zeros(mask.shape, np.bool_)
+    borders[:-1] |= (labels[:-1] != labels[1:]) & mask[1:]
+    borders[:, :-1] |= (labels[:, :-1] != labels[:, 1:]) & mask[:, 1:]
+    return borders & mask
 
 
 def _answer(weights: Weights, seen: Array, *, mirrored: bool) -> Array:

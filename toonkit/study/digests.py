@@ -16,7 +16,8 @@ NETWORKS_USED: dict[str, tuple[str, ...]] = {
     "toonkit": ("shape_prior",),
     **dict.fromkeys(("classical", "todo", "lumo", "lambert", "flat"), ()),
 }
-"""Networks that toonkit's own methods use under a given light; any other method may use all of them."""
+"""Networks that toonkit's own methods use under a given light, of drawings in one material, as the study's are; any other
+method may use all of them."""
 
 _PROBES = np.random.default_rng(0).uniform(-BOUND, BOUND, (4096, 3))
 

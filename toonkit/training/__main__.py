@@ -1,4 +1,4 @@
-"""`python -m toonkit.training shape` or `light`: make the shapes, train the network, write its weights."""
+"""`python -m toonkit.training shape`, `colored_shape` or `light`: make the shapes, train the network, write its weights."""
 
 from __future__ import annotations
 
@@ -18,17 +18,21 @@ from tqdm import tqdm
 
 from toonkit._validation import ToonkitError, refuse
 from toonkit.estimation.convolution import Weights
-from toonkit.estimation.weights import weights_in
+from toonkit.estimation.weights import packed, weights_in
 from toonkit.export.atomic import atomic_write
 from toonkit.training.dataset import Dataset, make_dataset
 from toonkit.training.drawings import Drawings
 from toonkit.training.light_task import LightTask
-from toonkit.training.shape_task import ShapeTask
+from toonkit.training.shape_task import ColoredShapeTask, ShapeTask
 from toonkit.training.train import FIGURES, TOLD, Task, Training, TrainingOptions
 
-TASKS: dict[str, type[Task]] = {"shape": ShapeTask, "light": LightTask}
+TASKS: dict[str, type[Task]] = {"shape": ShapeTask, "colored_shape": ColoredShapeTask, "light": LightTask}
 
-DEFAULTS = {"shape": {"steps": 11500, "batch": 32}, "light": {"steps": 8800, "batch": 64}}
+DEFAULTS = {
+    "shape": {"steps": 11500, "batch": 32},
+    "colored_shape": {"steps": 2200, "batch": 32},
+    "light": {"steps": 8800, "batch": 64},
+}
 
 KEPT_ASIDE = 400
 """Shapes, the first ones of the dataset, that are never trained on: figures are of drawings of these."""
@@ -164,15 +168,14 @@ def _stored_weights(path: Path) -> tuple[Weights, list[dict[str, Any]]]:
 
 
 def _write_weights(given: argparse.Namespace, training: Training, history: list[dict[str, float]]) -> None:
-    """Write the averaged weights as 16-bit numbers, and beside them how they were made."""
-    name = training.task.name
-    weights = {layer: values.astype(np.float16) for layer, values in training.shipped().items()}
+    """Write the averaged weights, packed, and beside them how they were made."""
+    name, weights = training.task.name, training.shipped()
     path = given.output / f"{name}.npz"
     provenance: dict[str, Any] = {
         **training.record,
         FIGURES: history,
-        "data": "random solids of toonkit.training.solids, painted by random color maps of toonkit.training.painting, "
-        "inked by toonkit.training.inking",
+        "data": "random solids of toonkit.training.families, painted by random color maps of toonkit.training.painting "
+        "and materials of toonkit.training.materials, inked by toonkit.training.inking",
         "parameters": int(sum(values.size for values in weights.values())),
         "processor": platform.processor() or platform.machine(),
         "versions": {package: version(package) for package in ("torch", "numpy")},
@@ -180,7 +183,7 @@ def _write_weights(given: argparse.Namespace, training: Training, history: list[
     if training.earlier:
         provenance[STARTED_FROM] = training.earlier
     with atomic_write(path) as file:
-        np.savez(file, allow_pickle=False, **weights)
+        np.savez(file, allow_pickle=False, **packed(weights))
     with atomic_write(path.with_suffix(".json")) as file:
         file.write((json.dumps(provenance, indent=2) + "\n").encode())
     print(f"Weights in {path}; toonkit/estimation/weights/ is where they ship.")

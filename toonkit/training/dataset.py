@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,14 +18,24 @@ from toonkit.estimation.convolution import Array
 from toonkit.estimation.inflation import inflate
 from toonkit.estimation.working_square import FILL, SIZE
 from toonkit.export.atomic import atomic_write
+from toonkit.training.families import random_solid
 from toonkit.training.rendering import Rendered, render_solid
-from toonkit.training.solids import random_solid
 
 SHARD = 200
 """Shapes in a file."""
 
 CUT_OFF = 0.12
 """Share of the attempts at a shape that let the picture's frame cut it off: what ends there has no rim. A quarter fails."""
+
+
+class Shape(NamedTuple):
+    """One shape of a dataset: see `Dataset` for its fields."""
+
+    normals: Array
+    initial_normals: Array
+    mask: BoolArray
+    contours: BoolArray
+    parts: NDArray[np.int8]
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,19 +51,22 @@ class Dataset:
         The object.
     contours : ndarray of bool, shape (n, SIZE, SIZE)
         Where it ends in front of another part of itself.
+    parts : ndarray of int8, shape (n, SIZE, SIZE)
+        Number of the part that is seen, -1 beside the object.
     """
 
     normals: NDArray[np.float16]
     initial_normals: NDArray[np.float16]
     masks: BoolArray
     contours: BoolArray
+    parts: NDArray[np.int8]
 
     def __len__(self) -> int:
         return len(self.masks)
 
-    def view(self, index: int, variant: int) -> tuple[Array, Array, BoolArray, BoolArray]:
-        """Return truth, N0, mask and contours of a shape in one of the eight turns and reflections of a square."""
-        places = [self.masks[index], self.contours[index]]
+    def view(self, index: int, variant: int) -> Shape:
+        """Return a shape in one of the eight turns and reflections of a square."""
+        places: list[NDArray[Any]] = [self.masks[index], self.contours[index], self.parts[index]]
         arrays = [field[index].astype(np.float32) for field in (self.normals, self.initial_normals)]
         if variant >= 4:  # a reflection left to right
             places = [place[:, ::-1] for place in places]
@@ -60,7 +74,7 @@ class Dataset:
         for _ in range(variant % 4):  # a quarter turn counter-clockwise: (x, y) becomes (-y, x)
             places = [np.rot90(place) for place in places]
             arrays = [np.rot90(array)[..., [1, 0, 2]] * np.array([-1, 1, 1], np.float32) for array in arrays]
-        return arrays[0], arrays[1], places[0], places[1]
+        return Shape(*arrays, *places)
 
 
 def make_dataset(
@@ -135,7 +149,11 @@ def cut_off(rng: np.random.Generator) -> Rendered | None:
     if max(extents) < 0.9 * side or mask.sum() < 0.2 * side**2 or not border.any():
         return None
     return Rendered(
-        whole.normals[rows, columns], mask, whole.coverage[rows, columns], whole.contours[rows, columns]
+        whole.normals[rows, columns],
+        mask,
+        whole.coverage[rows, columns],
+        whole.contours[rows, columns],
+        whole.parts[rows, columns],
     )
 
 
@@ -166,6 +184,7 @@ def _make_shard(folder: Path, seed: int, shard: int) -> int:
     normals = np.zeros((SHARD, SIZE, SIZE, 3), np.float16)
     initial = np.zeros_like(normals)
     masks, contours = np.zeros((2, SHARD, SIZE, SIZE), np.bool_)
+    parts = np.full(masks.shape, -1, np.int8)
     done = 0
     while done < SHARD:
         rendered = cut_off(rng) if rng.random() < CUT_OFF else render_solid(random_solid(rng), SIZE)
@@ -177,9 +196,9 @@ def _make_shard(folder: Path, seed: int, shard: int) -> int:
             continue
         rows, columns = _place(rendered.mask)
         normals[done, rows, columns], masks[done, rows, columns] = rendered.normals, rendered.mask
-        contours[done, rows, columns] = rendered.contours
+        contours[done, rows, columns], parts[done, rows, columns] = rendered.contours, rendered.parts
         initial[done, rows, columns] = np.nan_to_num(inflated.vectors)
         done += 1
     with atomic_write(_path(folder, seed, shard)) as file:
-        np.savez(file, normals=normals, initial_normals=initial, masks=masks, contours=contours)
+        np.savez(file, normals=normals, initial_normals=initial, masks=masks, contours=contours, parts=parts)
     return shard

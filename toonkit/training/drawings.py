@@ -8,9 +8,11 @@ import numpy as np
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.convolution import Array
+from toonkit.estimation.shape_prior import material_borders
 from toonkit.model.light import light_direction
 from toonkit.training.dataset import Dataset
 from toonkit.training.inking import random_ink, uninked
+from toonkit.training.materials import paint_materials, random_labels
 from toonkit.training.painting import random_ramp
 
 ELEVATIONS = (12.0, 88.0)
@@ -25,6 +27,12 @@ DOUBTS = (1.5, 30.0)
 INKED = 0.4
 """Share of the drawings to learn from that have line art, where there is room for it."""
 
+OUTLINED = 0.6
+"""The same of drawings in several materials."""
+
+BETWEEN = 0.7
+"""Share of these that have lines between their materials."""
+
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
@@ -34,9 +42,12 @@ class Drawing:
     Attributes
     ----------
     tones : ndarray of float32, shape (S, S)
-        As painted; under ink those of the nearest paint that shows, as in `toonkit.illustration`.
+        As painted, relative to the brightest of its material if there are several; under ink and on flat materials those of
+        the nearest paint that shows shading, as in `toonkit.estimation.shading_ratio`.
     ink : ndarray of bool, shape (S, S)
-        Where ink hides the paint.
+        Where no shading shows: under ink and on flat materials.
+    borders : ndarray of bool, shape (S, S), or None
+        Where one material meets another; None of a drawing that is painted with one.
     mask : ndarray of bool, shape (S, S)
         The object.
     initial_normals, normals : ndarray of float32, shape (S, S, 3)
@@ -50,6 +61,7 @@ class Drawing:
 
     tones: Array
     ink: BoolArray
+    borders: BoolArray | None
     mask: BoolArray
     initial_normals: Array
     normals: Array
@@ -75,7 +87,13 @@ class Drawings:
     last: int
 
     def draw(
-        self, rng: np.random.Generator, *, turned: bool, doubtful: bool = False, inked: float = 0.0
+        self,
+        rng: np.random.Generator,
+        *,
+        turned: bool,
+        doubtful: bool = False,
+        inked: float = 0.0,
+        colored: bool = False,
     ) -> Drawing:
         """
         Draw one.
@@ -90,6 +108,8 @@ class Drawings:
             Whether it is often known only approximately.
         inked : float, optional
             Probability of line art, where there is room for it.
+        colored : bool, optional
+            Whether it is painted with several materials.
 
         Returns
         -------
@@ -97,19 +117,39 @@ class Drawings:
             The drawing.
         """
         which, variant = int(rng.integers(self.first, self.last)), int(rng.integers(8))
-        normals, initial, mask, contours = self.dataset.view(which, variant)
+        shape = self.dataset.view(which, variant)
         azimuth = rng.uniform(0.0, 360.0) if turned else 0.0
         light = light_direction(azimuth, rng.uniform(*ELEVATIONS))
         ramp = random_ramp(rng)
         doubt = 0.0
         if doubtful and rng.random() < DOUBTFUL:
             doubt = float(np.deg2rad(np.exp(rng.uniform(*np.log(DOUBTS)))))
-        tones = ramp(normals @ tilted(light, doubt, rng).astype(np.float32)).astype(np.float32)
-        ink = np.zeros_like(mask)
+        illumination = shape.normals @ tilted(light, doubt, rng).astype(np.float32)
+        tones, told, borders = ramp(illumination).astype(np.float32), shape.mask, None
+        if colored:
+            labels = random_labels(shape.parts, rng)
+            borders = material_borders(labels, shape.mask)
+            in_materials, shows = paint_materials(labels, illumination, rng)
+            if shows.any():
+                tones, told = in_materials, shows
+        hidden = shape.mask & ~told
         if rng.random() < inked:
-            ink = random_ink(mask, contours, normals, rng)
-        shown = uninked(tones, ink, mask)
-        return Drawing(shown, ink, mask, initial, normals, light.astype(np.float32), doubt)
+            drawn = shape.contours
+            if borders is not None and rng.random() < BETWEEN:
+                drawn = drawn | borders
+            ink = random_ink(shape.mask, drawn, shape.normals, rng)
+            if (told & ~ink).any():
+                hidden |= ink
+        return Drawing(
+            tones=uninked(tones, hidden, shape.mask),
+            ink=hidden,
+            borders=borders,
+            mask=shape.mask,
+            initial_normals=shape.initial_normals,
+            normals=shape.normals,
+            light=light.astype(np.float32),
+            doubt=doubt,
+        )
 
 
 def tilted(light: FloatArray, doubt: float, rng: np.random.Generator) -> FloatArray:

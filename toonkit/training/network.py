@@ -81,11 +81,11 @@ class Encoder(nn.Module):
 
 
 class ShapeNetwork(nn.Module):
-    """Features (n, CHANNELS, S, S) to a change of the normals (n, 3, S, S)."""
+    """Features (n, channels, S, S) to a change of the normals (n, 3, S, S)."""
 
-    def __init__(self) -> None:
+    def __init__(self, channels: int = shape_prior.CHANNELS) -> None:
         super().__init__()
-        self.encoder = Encoder(shape_prior.CHANNELS, SHAPE_WIDTHS)
+        self.encoder = Encoder(channels, SHAPE_WIDTHS)
         self.up = nn.ModuleList(
             Stage(fine, Layer(fine + coarse, fine, size=1)) for fine, coarse in pairwise(SHAPE_WIDTHS)
         )

@@ -43,9 +43,7 @@ class RandomRamp:
 def random_ramp(rng: np.random.Generator) -> RandomRamp:
     """Draw a color map: two to six tones; all steps hard, all soft, or mixed."""
     count = int(rng.choice([2, 3, 4, 5, 6], p=[0.22, 0.36, 0.24, 0.1, 0.08]))
-    tones = np.sort(rng.uniform(0.05, 1.0, count))
-    tones = tones[0] + np.concatenate([[0.0], np.cumsum(np.maximum(np.diff(tones), 0.06))])
-    tones = tones / max(tones[-1], 1.0)
+    tones = random_tones(rng, count)
     edges = np.sort(rng.uniform(-0.5, 0.95, count - 1))
     kind = rng.random()
     if kind < 0.4:
@@ -55,3 +53,10 @@ def random_ramp(rng: np.random.Generator) -> RandomRamp:
     else:
         widths = np.where(rng.random(count - 1) < 0.5, HARD, rng.uniform(0.05, 0.9, count - 1))
     return RandomRamp(tones, edges, widths)
+
+
+def random_tones(rng: np.random.Generator, count: int) -> FloatArray:
+    """Draw so many tones in [0, 1], dark to bright, that can be told apart."""
+    tones = np.sort(rng.uniform(0.05, 1.0, count))
+    tones = tones[0] + np.concatenate([[0.0], np.cumsum(np.maximum(np.diff(tones), 0.06))])
+    return np.asarray(tones / max(tones[-1], 1.0))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.training.solids import REACH, Solid
@@ -44,12 +45,15 @@ class Rendered:
         Share of each pixel that the object covers, at least one half exactly on the mask.
     contours : ndarray of bool, shape (size, size)
         Pixels at which the object ends in front of another part of itself.
+    parts : ndarray of int8, shape (size, size)
+        Number of the primitive that is seen, -1 beside the object.
     """
 
     normals: FloatArray
     mask: BoolArray
     coverage: FloatArray
     contours: BoolArray
+    parts: NDArray[np.int8]
 
 
 def render_solid(solid: Solid, size: int) -> Rendered | None:
@@ -89,7 +93,10 @@ def render_solid(solid: Solid, size: int) -> Rendered | None:
     if mask.sum() < 0.03 * size * size:
         return None
     normals = _normals(x, y, z, *fields)
-    return Rendered(normals, mask, _coverage(x, y, pixel, mask, fields), _contours(z / pixel, normals))
+    coverage, contours = _coverage(x, y, pixel, mask, fields), _contours(z / pixel, normals)
+    return Rendered(
+        normals, mask, coverage, contours, _parts(x, y, z, *solid_parts, solid.mirrored, solid.view)
+    )
 
 
 def _contours(depth: FloatArray, normals: FloatArray) -> BoolArray:
@@ -222,6 +229,31 @@ def _depths(x, y, tolerance, kinds, turns, centers, sizes, widths, bounds, mirro
                 if z < -REACH:
                     break
     return depth
+
+
+@numba.njit(cache=True, fastmath=False)
+def _parts(x, y, z, kinds, turns, centers, sizes, widths, mirrored, view):  # type: ignore[no-untyped-def]
+    """Tell to which primitive each visible point is nearest; what is cut out shows what it is cut from."""
+    parts = np.full(x.shape, -1, np.int8)
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            if np.isnan(z[i, j]):
+                continue
+            px = view[0, 0] * x[i, j] + view[1, 0] * y[i, j] + view[2, 0] * z[i, j]
+            py = view[0, 1] * x[i, j] + view[1, 1] * y[i, j] + view[2, 1] * z[i, j]
+            pz = view[0, 2] * x[i, j] + view[1, 2] * y[i, j] + view[2, 2] * z[i, j]
+            if mirrored:
+                px = abs(px)
+            least = 1e9
+            for k in range(len(kinds)):
+                if widths[k] <= 0:
+                    continue
+                ox, oy, oz = px - centers[k, 0], py - centers[k, 1], pz - centers[k, 2]
+                value = _primitive_distance(kinds[k], turns, sizes, k, ox, oy, oz)
+                if value < least:
+                    least = value
+                    parts[i, j] = k
+    return parts
 
 
 @numba.njit(cache=True, fastmath=False)

@@ -7,8 +7,8 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from toonkit.estimation.shape_prior import features
-from toonkit.training.drawings import INKED, Drawing, Drawings
+from toonkit.estimation.shape_prior import CHANNELS, features
+from toonkit.training.drawings import INKED, OUTLINED, Drawing, Drawings
 from toonkit.training.network import ShapeNetwork, fast_arithmetic
 
 BALANCE = 6.0
@@ -16,7 +16,7 @@ BALANCE = 6.0
 
 
 class ShapeTask:
-    """Mean angle to the true normals, over the mask."""
+    """Mean angle to the true normals, over the mask, of drawings in one material."""
 
     name = "shape_prior"
 
@@ -28,12 +28,9 @@ class ShapeTask:
         self, network: nn.Module, drawings: Drawings, rng: np.random.Generator, size: int
     ) -> tuple[Tensor, float]:
         """Return the loss of a batch, and its mean error in degrees."""
-        items = [drawings.draw(rng, turned=False, doubtful=True, inked=INKED) for _ in range(size)]
-        with fast_arithmetic():
-            change = network(_seen(items))
-        error = chord(change.float(), items)
-        before = chord(torch.zeros_like(change, dtype=torch.float32), items)
-        return (error / torch.sqrt(before.clamp_min(BALANCE))).mean(), float(error.detach().mean())
+        return _loss(
+            network, [drawings.draw(rng, turned=False, doubtful=True, inked=INKED) for _ in range(size)]
+        )
 
     def figures(self, average: nn.Module, drawings: Drawings, count: int) -> dict[str, float]:
         """Return mean errors over `count` drawings that never change, degrees: of N0, corrected, and corrected in ink."""
@@ -43,12 +40,49 @@ class ShapeTask:
         return {"initial": initial, "corrected": corrected, "corrected, in ink": in_ink}
 
 
-def _judged(average: nn.Module, drawings: Drawings, count: int, *, inked: float) -> tuple[float, float]:
+class ColoredShapeTask:
+    """The same of drawings in several materials, whose borders are seen."""
+
+    name = "colored_shape_prior"
+
+    def network(self) -> nn.Module:
+        """Build the network."""
+        return ShapeNetwork(CHANNELS + 1)
+
+    def loss(
+        self, network: nn.Module, drawings: Drawings, rng: np.random.Generator, size: int
+    ) -> tuple[Tensor, float]:
+        """Return the loss of a batch, and its mean error in degrees."""
+        items = [
+            drawings.draw(rng, turned=False, doubtful=True, inked=OUTLINED, colored=True) for _ in range(size)
+        ]
+        return _loss(network, items)
+
+    def figures(self, average: nn.Module, drawings: Drawings, count: int) -> dict[str, float]:
+        """Return mean errors over `count` drawings that never change, degrees: of N0, corrected, and corrected in ink."""
+        (initial, corrected), (_, in_ink) = (
+            _judged(average, drawings, count, inked=ink, colored=True) for ink in (0.0, 1.0)
+        )
+        return {"initial": initial, "corrected": corrected, "corrected, in ink": in_ink}
+
+
+def _loss(network: nn.Module, items: list[Drawing]) -> tuple[Tensor, float]:
+    """Return the loss of some drawings, and their mean error in degrees."""
+    with fast_arithmetic():
+        change = network(_seen(items))
+    error = chord(change.float(), items)
+    before = chord(torch.zeros_like(change, dtype=torch.float32), items)
+    return (error / torch.sqrt(before.clamp_min(BALANCE))).mean(), float(error.detach().mean())
+
+
+def _judged(
+    average: nn.Module, drawings: Drawings, count: int, *, inked: float, colored: bool = False
+) -> tuple[float, float]:
     """Mean errors in degrees of N0 and of what the network makes of it."""
     before, after = [], []
     for first in range(0, count, 32):
         generators = [np.random.default_rng([k]) for k in range(first, min(first + 32, count))]
-        items = [drawings.draw(rng, turned=False, inked=inked) for rng in generators]
+        items = [drawings.draw(rng, turned=False, inked=inked, colored=colored) for rng in generators]
         with torch.no_grad():
             change = average(_seen(items)).float()
         before.append(chord(torch.zeros_like(change), items))
@@ -71,5 +105,9 @@ def _seen(items: list[Drawing]) -> Tensor:
     rows = []
     for item in items:
         elevation = float(np.arctan2(item.light[2], item.light[0]))
-        rows.append(features(item.tones, item.mask, item.ink, item.initial_normals, elevation, item.doubt))
+        rows.append(
+            features(
+                item.tones, item.mask, item.ink, item.borders, item.initial_normals, elevation, item.doubt
+            )
+        )
     return torch.from_numpy(np.stack(rows)).contiguous(memory_format=torch.channels_last)
