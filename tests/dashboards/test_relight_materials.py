@@ -281,7 +281,7 @@ def test_a_lasso_makes_a_new_material_of_what_it_encloses(materials_page):
 
 
 def test_what_is_marked_as_ink_is_relit_as_drawn_and_is_no_material(materials_page):
-    for slider, degrees in (("azimuth", "300"), ("elevation", "5")):
+    for slider, degrees in (("azimuth", "135"), ("elevation", "5")):
         materials_page.get_by_role("slider", name=f"Relit: {slider}").fill(degrees)
     assert until(materials_page, lambda: np.abs(relit_color(materials_page, BADGE) - (200, 30, 40)).max() > 3)
     mark(materials_page, "Ink").click()
@@ -289,13 +289,17 @@ def test_what_is_marked_as_ink_is_relit_as_drawn_and_is_no_material(materials_pa
     materials_page.mouse.click(*place(materials_page, BADGE))
     settled(materials_page, 1)
     assert until(materials_page, lambda: np.abs(relit_color(materials_page, BADGE) - (200, 30, 40)).max() < 3)
-    assert shown_color(materials_page, BADGE).max() < 60
+    materials_page.mouse.move(*place(materials_page, BALL))
+    assert until(
+        materials_page, lambda: shown_color(materials_page, BALL).max() < 110
+    )  # all but ink is veiled
+    assert np.abs(shown_color(materials_page, BADGE) - (200, 30, 40)).max() < 3
     button(materials_page, "Undo").click()
     settled(materials_page, 2)
 
 
 @pytest.mark.parametrize("name", ["Highlight", "Cast shadow"])
-def test_a_highlight_or_cast_shadow_is_painted_and_gone_under_another_light(materials_page, name):
+def test_a_highlight_or_cast_shadow_is_painted_and_fades_under_another_light(materials_page, name):
     for slider, degrees in (("azimuth", "0"), ("elevation", "0")):
         materials_page.get_by_role("slider", name=f"Relit: {slider}").fill(degrees)
     mark(materials_page, name).click()
@@ -303,9 +307,9 @@ def test_a_highlight_or_cast_shadow_is_painted_and_gone_under_another_light(mate
     materials_page.mouse.click(*place(materials_page, BADGE))
     settled(materials_page, 1)
     color = relit_color(materials_page, BADGE)
-    assert until(materials_page, lambda: np.ptp(relit_color(materials_page, BADGE)) < 12), (
+    assert until(materials_page, lambda: np.ptp(relit_color(materials_page, BADGE)) < 60), (
         color
-    )  # gray as the ball is
+    )  # nearly gray, as the ball is
     materials_page.keyboard.press("Control+z")
     settled(materials_page, 2)
 
