@@ -422,6 +422,7 @@ def test_an_animation_cut_off_is_refused(few, tmp_path):
         (["frames", "{sheet}", "-o", "{out}", "--grid", "2x1", "--islands"], "not allowed with argument"),
         (["relight", "{done}", "--orbit", "{out}.gif"], "without --orbit"),
         (["relight", "{done}", "--light", "1,2", "--layers", "{out}"], "without --layers"),
+        (["mesh", "{done}", "-o", "{out}.glb"], "analysis must be of one drawing"),
     ],
 )
 def test_what_cannot_be_done_with_frames_is_refused(few, quick, tmp_path, capsys, arguments, rule):

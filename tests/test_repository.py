@@ -283,3 +283,6 @@ def test_development_says_how_long_the_networks_were_trained() -> None:
         f"network took {hours['shape']:.1f} hours in total, the light network {hours['light']:.1f} hours"
         in text
     )
+    colored = provenance("colored_shape_prior")
+    later = [*colored["started from"][stages["shape"] :], colored]
+    assert f"took {sum(part['seconds'] for part in later) / 3600:.1f} hours more" in text

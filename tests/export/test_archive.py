@@ -22,9 +22,10 @@ TURNED = 0.01
 
 
 def same_picture(found, expected):
-    """Tell whether two pictures are equal but for what normals so little turned can change: a step of 8 bits."""
+    """Tell whether pictures are equal but for what normals turned by 0.01° change: a step of 8 bits, more at a hard edge."""
     found, expected = found.to_rgba().astype(int), expected.to_rgba().astype(int)
-    return np.array_equal(found[..., 3], expected[..., 3]) and np.abs(found - expected).max() <= 1
+    apart = np.abs(found - expected).max(axis=-1)
+    return np.array_equal(found[..., 3], expected[..., 3]) and (apart > 1).mean() < 1e-3
 
 
 @pytest.fixture

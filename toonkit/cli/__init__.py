@@ -13,10 +13,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from toonkit._validation import ToonkitError, ToonkitWarning, expand_home, refuse
+from toonkit._validation import ToonkitError, ToonkitWarning, refuse
 from toonkit.cli.batch import add_batch_command
 from toonkit.cli.dashboard import add_dashboard_command
 from toonkit.cli.drawing_work import DrawingWork, add_work_options, analyze_drawing, layer_options
+from toonkit.cli.folders import holds_frames, print_files, read_analysis
 from toonkit.cli.frames import add_frames_command, relight_frames
 from toonkit.cli.lights import parse_color, parse_light
 from toonkit.cli.mesh import add_mesh_command
@@ -235,10 +236,7 @@ def _analyze(arguments: argparse.Namespace) -> int:
         seconds = sum(progress.seconds().values())
     if not arguments.quiet:
         _summarize(analyzed, arguments.drawing, seconds)
-        print(f"written to {next(iter(analyzed.files)).parent}:")
-        width = max(len(path.name) for path in analyzed.files)
-        for path, what in analyzed.files.items():
-            print(f"  {path.name:<{width}}  {what}")
+        print_files(analyzed.files)
     return 0
 
 
@@ -290,15 +288,12 @@ def _relight(arguments: argparse.Namespace) -> int:
     light = None if arguments.light is None else parse_light(arguments.light, behind=True)
 
     from toonkit.export.animation import write_orbit  # noqa: PLC0415
-    from toonkit.export.archive import load_analysis  # noqa: PLC0415
-    from toonkit.export.folder import ARCHIVE_NAME, LAYOUT_NAME  # noqa: PLC0415
     from toonkit.export.layer_files import write_layers  # noqa: PLC0415
     from toonkit.export.layers import split_layers  # noqa: PLC0415
     from toonkit.export.light_profiles import write_light_profiles  # noqa: PLC0415
     from toonkit.export.picture import write_picture  # noqa: PLC0415
     from toonkit.relighting import relight  # noqa: PLC0415
 
-    source = expand_home(arguments.analysis)
     options: dict[str, Any] = {
         "keep_detail": not arguments.model_only,
         "flat_shading": arguments.flat_shading,
@@ -306,12 +301,12 @@ def _relight(arguments: argparse.Namespace) -> int:
         "light_color": parse_color(arguments.light_color),
         "ambient": arguments.ambient,
     }
-    if (source / LAYOUT_NAME).is_file():
-        relight_frames(source, arguments, options)
+    if holds_frames(arguments.analysis):
+        relight_frames(arguments.analysis, arguments, options)
         if not arguments.quiet:
             print(f"written to {arguments.out}")
         return 0
-    analysis = load_analysis(source / ARCHIVE_NAME if source.is_dir() else source)
+    analysis = read_analysis(arguments.analysis)
     if light is not None and arguments.out is not None:
         write_picture(relight(analysis, light, **options), arguments.out)
     if light is not None and arguments.layers is not None:

@@ -9,6 +9,7 @@ from typing import Any
 
 from toonkit._validation import expand_home, refuse
 from toonkit.cli.drawing_work import ENGINE_NAMES, ESTIMATED, METHOD_NAMES
+from toonkit.cli.folders import print_files
 from toonkit.cli.lights import parse_light
 from toonkit.cli.progress import StepBar
 
@@ -70,10 +71,7 @@ def _frames(arguments: argparse.Namespace) -> int:
         print(f"{arguments.file}: {count} frame{'' if count == 1 else 's'} analyzed as one drawing")
         print(f"light: {result.analysis.describe_light()}")
         print(f"materials: {materials}, the same in all frames")
-        print(f"written to {next(iter(written)).parent}:")
-        width = max(len(path.name) for path in written)
-        for path, what in written.items():
-            print(f"  {path.name:<{width}}  {what}")
+        print_files(written)
     return 0
 
 
@@ -92,7 +90,7 @@ def _suffix(file: str, frames: Any) -> str:
     return own if frames.timing is not None and own in (".gif", ".webp", ".apng") else ".png"
 
 
-def relight_frames(source: Path, arguments: argparse.Namespace, options: dict[str, Any]) -> None:
+def relight_frames(source: str, arguments: argparse.Namespace, options: dict[str, Any]) -> None:
     """Write the frames of an analysis in a folder under another light, in their own layout."""
     from toonkit.export.frame_files import read_frame_folder, write_frames  # noqa: PLC0415
 

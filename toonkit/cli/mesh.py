@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from toonkit._validation import expand_home
+from toonkit.cli.folders import read_analysis
 
 BACKS = ("none", "mirrored", "flat")
 """`toonkit.export.mesh.BACKS`, repeated so that the help does not have to import it."""
@@ -44,12 +44,9 @@ def add_mesh_command(commands: Any) -> None:
 
 
 def _mesh(arguments: argparse.Namespace) -> int:
-    from toonkit.export.archive import load_analysis  # noqa: PLC0415
-    from toonkit.export.folder import ARCHIVE_NAME  # noqa: PLC0415
     from toonkit.export.mesh import write_mesh  # noqa: PLC0415
 
-    source = expand_home(arguments.analysis)
-    analysis = load_analysis(source / ARCHIVE_NAME if source.is_dir() else source)
+    analysis = read_analysis(arguments.analysis)
     write_mesh(analysis, arguments.out, back=arguments.back, size=arguments.size, vertices=arguments.vertices)
     if not arguments.quiet:
         print(f"written to {arguments.out}")

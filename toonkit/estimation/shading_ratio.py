@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.islands import Island
 from toonkit.estimation.painted_tones import PaintedTones
+from toonkit.model.image import nearest_object_pixel
 from toonkit.model.luminance import REC709, linear_to_srgb
 from toonkit.numerics.masked_grid import IndexArray, MaskedGrid
 
@@ -105,5 +105,4 @@ def _nearest(values: FloatArray, known: BoolArray, grid: MaskedGrid) -> FloatArr
     """Give each pixel of an island, both of shape (p,), the value of the nearest one that is known."""
     picture = np.zeros(grid.mask.shape, np.bool_)
     picture[grid.mask] = known
-    rows, columns = distance_transform_edt(~picture, return_distances=False, return_indices=True)
-    return np.asarray(values[grid.index[rows, columns][grid.mask]])
+    return np.asarray(values[grid.index[nearest_object_pixel(picture)][grid.mask]])

@@ -14,6 +14,7 @@ from toonkit.analysis import ToonAnalysis
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.heightfield import height_map, level_rim
 from toonkit.model.image import nearest_object_pixel
+from toonkit.numerics.masked_grid import bounding_box
 
 if TYPE_CHECKING:
     import trimesh
@@ -121,13 +122,13 @@ def textured_mesh(
     from trimesh.visual import TextureVisuals  # noqa: PLC0415
     from trimesh.visual.material import PBRMaterial  # noqa: PLC0415
 
-    rows, columns = (np.flatnonzero(analysis.image.mask.any(axis=axis)) for axis in (1, 0))
-    longest = max(rows[-1] - rows[0], columns[-1] - columns[0]) + 1
+    rows, columns = bounding_box(analysis.image.mask)
+    longest = max(rows.stop - rows.start, columns.stop - columns.start)
     surface = _front(analysis, -(-longest // vertices), level=back != "none")
     if back != "none":
         surface = _closed(surface, back, PLATE * longest)
-    middle = np.array([columns[0] + columns[-1], -rows[0] - rows[-1], 0.0]) / 2
-    texture, corner = _texture(analysis)
+    middle = np.array([columns.start + columns.stop - 1, 1 - rows.start - rows.stop, 0.0]) / 2
+    texture, corner = _texture(analysis, (rows, columns))
     height, width = texture.shape[:2]
     within = surface.places - corner + 0.5
     material = PBRMaterial(
@@ -246,14 +247,9 @@ def _rim(faces: Indices) -> Indices:
     return np.asarray(edges[first[count == 1]])
 
 
-def _texture(analysis: ToonAnalysis) -> tuple[NDArray[np.uint8], FloatArray]:
+def _texture(analysis: ToonAnalysis, box: tuple[slice, slice]) -> tuple[NDArray[np.uint8], FloatArray]:
     """Return the base color around the object, which goes on outside it, and the row and column of its upper left pixel."""
-    mask = analysis.image.mask
-    box = []
-    for axis in (1, 0):
-        inside = np.flatnonzero(mask.any(axis=axis))
-        box.append(slice(max(inside[0] - MARGIN, 0), inside[-1] + 1 + MARGIN))
-    cut = box[0], box[1]
-    rows, columns = nearest_object_pixel(mask[cut])
-    texture = analysis.base_color.to_rgba()[cut][rows, columns, :3]
-    return texture, np.array([box[0].start, box[1].start], dtype=np.float64)
+    rows, columns = (slice(max(span.start - MARGIN, 0), span.stop + MARGIN) for span in box)
+    nearest = nearest_object_pixel(analysis.image.mask[rows, columns])
+    texture = analysis.base_color.to_rgba()[rows, columns, :3][nearest]
+    return texture, np.array([rows.start, columns.start], dtype=np.float64)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from toonkit._validation import refuse
 from toonkit.model.decoding import MAX_PIXELS, Pixels
+from toonkit.numerics.masked_grid import bounding_box
 
 GAP = 4
 """Pixels between frames: nothing that looks at neighbors looks across."""
@@ -92,7 +93,7 @@ def cut(picture: NDArray[Any], places: Sequence[Place], fill: float = 0) -> list
 
 def _visible(painted: NDArray[np.bool_]) -> tuple[int, int, int, int]:
     """Return the first row and column, and height and width, of what is painted."""
-    rows, columns = np.flatnonzero(painted.any(axis=1)), np.flatnonzero(painted.any(axis=0))
-    if rows.size == 0:
+    if not painted.any():
         return 0, 0, 0, 0
-    return int(rows[0]), int(columns[0]), int(np.ptp(rows)) + 1, int(np.ptp(columns)) + 1
+    rows, columns = bounding_box(painted)
+    return rows.start, columns.start, rows.stop - rows.start, columns.stop - columns.start

@@ -19,64 +19,45 @@ class ShapeTask:
     """Mean angle to the true normals, over the mask, of drawings in one material."""
 
     name = "shape_prior"
+    inked = INKED
+    colored = False
 
     def network(self) -> nn.Module:
         """Build the network."""
-        return ShapeNetwork()
-
-    def loss(
-        self, network: nn.Module, drawings: Drawings, rng: np.random.Generator, size: int
-    ) -> tuple[Tensor, float]:
-        """Return the loss of a batch, and its mean error in degrees."""
-        return _loss(
-            network, [drawings.draw(rng, turned=False, doubtful=True, inked=INKED) for _ in range(size)]
-        )
-
-    def figures(self, average: nn.Module, drawings: Drawings, count: int) -> dict[str, float]:
-        """Return mean errors over `count` drawings that never change, degrees: of N0, corrected, and corrected in ink."""
-        (initial, corrected), (_, in_ink) = (
-            _judged(average, drawings, count, inked=ink) for ink in (0.0, 1.0)
-        )
-        return {"initial": initial, "corrected": corrected, "corrected, in ink": in_ink}
-
-
-class ColoredShapeTask:
-    """The same of drawings in several materials, whose borders are seen."""
-
-    name = "colored_shape_prior"
-
-    def network(self) -> nn.Module:
-        """Build the network."""
-        return ShapeNetwork(CHANNELS + 1)
+        return ShapeNetwork(CHANNELS + self.colored)
 
     def loss(
         self, network: nn.Module, drawings: Drawings, rng: np.random.Generator, size: int
     ) -> tuple[Tensor, float]:
         """Return the loss of a batch, and its mean error in degrees."""
         items = [
-            drawings.draw(rng, turned=False, doubtful=True, inked=OUTLINED, colored=True) for _ in range(size)
+            drawings.draw(rng, turned=False, doubtful=True, inked=self.inked, colored=self.colored)
+            for _ in range(size)
         ]
-        return _loss(network, items)
+        with fast_arithmetic():
+            change = network(_seen(items))
+        error = chord(change.float(), items)
+        before = chord(torch.zeros_like(change, dtype=torch.float32), items)
+        return (error / torch.sqrt(before.clamp_min(BALANCE))).mean(), float(error.detach().mean())
 
     def figures(self, average: nn.Module, drawings: Drawings, count: int) -> dict[str, float]:
         """Return mean errors over `count` drawings that never change, degrees: of N0, corrected, and corrected in ink."""
         (initial, corrected), (_, in_ink) = (
-            _judged(average, drawings, count, inked=ink, colored=True) for ink in (0.0, 1.0)
+            _judged(average, drawings, count, inked=ink, colored=self.colored) for ink in (0.0, 1.0)
         )
         return {"initial": initial, "corrected": corrected, "corrected, in ink": in_ink}
 
 
-def _loss(network: nn.Module, items: list[Drawing]) -> tuple[Tensor, float]:
-    """Return the loss of some drawings, and their mean error in degrees."""
-    with fast_arithmetic():
-        change = network(_seen(items))
-    error = chord(change.float(), items)
-    before = chord(torch.zeros_like(change, dtype=torch.float32), items)
-    return (error / torch.sqrt(before.clamp_min(BALANCE))).mean(), float(error.detach().mean())
+class ColoredShapeTask(ShapeTask):
+    """The same of drawings in several materials, whose borders are seen."""
+
+    name = "colored_shape_prior"
+    inked = OUTLINED
+    colored = True
 
 
 def _judged(
-    average: nn.Module, drawings: Drawings, count: int, *, inked: float, colored: bool = False
+    average: nn.Module, drawings: Drawings, count: int, *, inked: float, colored: bool
 ) -> tuple[float, float]:
     """Mean errors in degrees of N0 and of what the network makes of it."""
     before, after = [], []

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toonkit._validation import ToonkitError
-from toonkit.model.decoding import MAX_PIXELS, check_size
+from toonkit.model.decoding import MAX_PIXELS
 from toonkit.model.documents.document import Document, Layer, LayerPixels
 from toonkit.model.documents.open_raster import read_merged
 from toonkit.model.documents.zip_members import ZipMembers
@@ -65,11 +65,7 @@ def open_krita(argument: str, members: ZipMembers) -> Document:
     image = next((element for element in members.read_xml(DESCRIPTION) if _tag(element) == "IMAGE"), None)
     if image is None:
         raise members.damaged(f"{DESCRIPTION} without a picture")
-    try:
-        shape = int(image.get("height", "")), int(image.get("width", ""))
-    except ValueError as error:
-        raise members.damaged(f"{DESCRIPTION} without a size") from error
-    check_size(argument, shape[1], shape[0])
+    shape = members.canvas_shape(image, ("height", "width"))
     folder = f"{image.get('name', '')}/layers"
     layers = tuple(_layers(image, members, folder, shape, ((), 1.0, True)))
     return Document(members.name, layers[::-1], partial(read_merged, argument, members, shape))

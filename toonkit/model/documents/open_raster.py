@@ -9,7 +9,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from toonkit._validation import refuse
-from toonkit.model.decoding import Pixels, check_size, read_pixels
+from toonkit.model.decoding import Pixels, read_pixels
 from toonkit.model.documents.document import Document, Layer, LayerPixels, on_canvas
 from toonkit.model.documents.pictures import read_layer_picture
 from toonkit.model.documents.zip_members import ZipMembers
@@ -41,11 +41,7 @@ def open_raster(argument: str, members: ZipMembers) -> Document:
         If it is damaged or too large.
     """
     root = members.read_xml("stack.xml")
-    try:
-        shape = int(root.get("h", "")), int(root.get("w", ""))
-    except ValueError as error:
-        raise members.damaged("stack.xml without a size") from error
-    check_size(argument, shape[1], shape[0])
+    shape = members.canvas_shape(root, ("h", "w"))
     layers = [
         layer
         for stack in root.findall("stack")

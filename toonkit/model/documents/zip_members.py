@@ -7,6 +7,7 @@ import zipfile
 from xml.etree import ElementTree
 
 from toonkit._validation import ToonkitError, refuse
+from toonkit.model.decoding import check_size
 
 MOST_DIRECTORY = 1 << 24
 """Bytes of an archive's list of members, at most: a document has some hundred members."""
@@ -81,6 +82,15 @@ class ZipMembers:
             return ElementTree.fromstring(text)
         except (ElementTree.ParseError, ValueError, LookupError) as error:
             raise self.damaged(f"{member}: {error}") from error
+
+    def canvas_shape(self, element: ElementTree.Element, names: tuple[str, str]) -> tuple[int, int]:
+        """Return the height and width that an element states as attributes of these names."""
+        try:
+            height, width = (int(element.get(name, "")) for name in names)
+        except ValueError as error:
+            raise self.damaged(f"<{element.tag}> without a size") from error
+        check_size(self.argument, width, height)
+        return height, width
 
     def _check_directory(self, data: bytes) -> None:
         """Refuse a list of members that would take long to read, before it is read."""
