@@ -333,8 +333,9 @@ def relight_page() -> pmui.Page:
         theme="dark",
         theme_config=THEME,
     )
-    # In the browser alone: a drawer that closes once the server has answered would be seen to.
-    view.jscallback(args={"page": page}, narrow="page.data.sidebar_open = !cb_obj.narrow")
+    # In the browser alone: a drawer that closes once the server has answered would be seen to. Panel keeps the arguments of
+    # a `jscallback` for ever, unlike the target of a link.
+    view.jslink(page, code={"narrow": "target.data.sidebar_open = !cb_obj.narrow"})
 
     async def first_picture() -> None:
         await state.open_sample(sample_names()[0])
