@@ -141,8 +141,14 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
     })
   }
 
-  // Arrow keys: a degree, or ten with Shift.
+  // Arrow keys: a degree, or ten with Shift. The light is let go of after a pause, or when `settle` is called.
   let keyed = null
+  function settle() {
+    if (keyed === null) { return }
+    clearTimeout(keyed)
+    keyed = null
+    onRelease()
+  }
   ballBox.addEventListener("keydown", (event) => {
     const way = {ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}[event.key]
     if (!way || event.ctrlKey || event.metaKey || event.altKey) { return }
@@ -151,7 +157,7 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
     angles = [wrapped((angles[0] + step * way[0] + 540) % 360 - 180), clamp(angles[1] + step * way[1], 0, 90)]
     onMove(angles)  // the next key may come before this is drawn
     clearTimeout(keyed)
-    keyed = setTimeout(onRelease, KEY_MS)
+    keyed = setTimeout(settle, KEY_MS)
   })
 
   const dragging = () => card.classList.contains("dragging")
@@ -198,7 +204,7 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
     node.addEventListener("click", onClick)
     return node
   }
-  return {card, stage, picture, pictureImage, ball, measure, show, button}
+  return {card, stage, picture, pictureImage, ball, measure, show, settle, button}
 }
 
 // How far one light is from another, as a share of the full turn (radians), rising smoothly from 0 to 1.

@@ -56,6 +56,7 @@ function render({model}) {
   function travel(button, action) {
     if (button.disabled || editor.drawing) { return false }
     circle.stop()
+    for (const card of [drawing, relit]) { card.settle() }  // a key that is let go of later would move the light again
     if (timer !== null) { send() }
     ask(action)
     return true
