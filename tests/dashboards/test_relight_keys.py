@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from playwright.sync_api import expect
 
-from tests.dashboards.test_relight import differ, relit_pixels, sliders, until, wait_until_idle
+from tests.dashboards.driving import differ, relit_pixels, sliders, until, wait_until_answered
 
 pytestmark = pytest.mark.browser
 
@@ -18,7 +18,6 @@ def test_the_light_is_moved_undone_and_redone_with_keys(relight_page):
     relight_page.keyboard.press("Shift+ArrowUp")
     moved = [start[0] + 1, start[1] + 10]
     assert until(relight_page, lambda: sliders(relight_page, "relit") == moved)
-    relight_page.wait_for_timeout(1500)
     relight_page.keyboard.press("Control+z")
     assert until(relight_page, lambda: sliders(relight_page, "relit") == start)
     assert until(relight_page, lambda: differ(relit_pixels(relight_page), before) < 0.0005)
@@ -32,13 +31,12 @@ def test_settings_are_undone_in_turn(relight_page):
     ambient.focus()
     relight_page.keyboard.press("End")
     assert until(relight_page, lambda: differ(relit_pixels(relight_page), before) > 0.02)
-    relight_page.wait_for_timeout(1500)
     relight_page.get_by_role("slider", name="Relit: azimuth").fill("200")
-    relight_page.wait_for_timeout(1500)
+    assert until(relight_page, lambda: sliders(relight_page, "relit") == [200, 40])
     undo = relight_page.get_by_role("button", name="Undo")
     undo.click()
     assert until(relight_page, lambda: sliders(relight_page, "relit") == [35, 40])
-    wait_until_idle(relight_page)
+    wait_until_answered(relight_page)
     undo.click()
     assert until(relight_page, lambda: differ(relit_pixels(relight_page), before) < 0.0005)
     expect(ambient).to_have_value("0")
@@ -59,8 +57,10 @@ def test_a_question_mark_lists_the_keys_and_escape_closes_the_list(relight_page)
 def test_letters_choose_tools(relight_page):
     relight_page.keyboard.press("m")
     expect(relight_page.locator(".label-map")).to_be_visible()
-    relight_page.locator(".swatch").first.focus()
+    swatch = relight_page.locator(".swatches .swatch").first
+    swatch.focus()
     relight_page.keyboard.press("Enter")
+    expect(swatch).to_have_attribute("aria-pressed", "true")
     for letter, name in (("b", "Brush"), ("f", "Fill"), ("s", "Split")):
         relight_page.keyboard.press(letter)
         expect(relight_page.locator(".tools").get_by_role("button", name=name)).to_have_attribute(
@@ -72,7 +72,7 @@ def test_letters_choose_tools(relight_page):
 
 def test_everything_on_the_cards_has_a_name(relight_page):
     relight_page.keyboard.press("m")
-    relight_page.locator(".swatch").first.click()
+    relight_page.locator(".swatches .swatch").first.click()
     nameless = relight_page.locator(".relight").evaluate(
         "root => [...root.querySelectorAll('button, input, [tabindex]')].filter(node => !(node.getAttribute('aria-label')"
         " || node.textContent.trim() || node.closest('label')?.textContent.trim())).map(node => node.outerHTML)"

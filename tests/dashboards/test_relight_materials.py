@@ -10,47 +10,21 @@ from PIL import Image
 from playwright.sync_api import expect
 
 import toonkit
-from tests.dashboards.conftest import START_SECONDS
-from tests.dashboards.test_relight import differ, relit_pixels, until, upload_ball, wait_until_idle
+from tests.dashboards.driving import (
+    BALL_SIDE,
+    VIEW,
+    differ,
+    relit_pixels,
+    sliders,
+    until,
+    wait_until_answered,
+    wait_until_shown,
+)
 
 pytestmark = pytest.mark.browser
 
-SIDE = 128
 BADGE, BALL = (0.6, 0.6), (0.35, 0.35)  # places on the picture, as shares of its sides
-LIGHT = """() => [...Bokeh.documents[0]._all_models.values()]
-  .find((model) => model.data?.attributes?.picture_size).data.original_light"""
-
-
-expect.set_options(timeout=60_000)
-
-
-@pytest.fixture(scope="module")
-def motley_page(browser, relight_url):
-    """A gray ball with a red badge on the page, its two materials on screen: for all tests, since opening it takes long."""
-    page = browser.new_page(viewport={"width": 1440, "height": 900})
-    heard = []
-    page.on("pageerror", lambda error: heard.append(f"page error: {error}"))
-    page.on("console", lambda message: heard.append(message.text) if message.type == "error" else None)
-    page.goto(relight_url)
-    page.wait_for_selector(".relight:not(.empty)", timeout=START_SECONDS * 1000)
-    page.wait_for_selector(".bk-Figure", timeout=60_000)
-    yield page, heard
-    page.close()
-
-
-@pytest.fixture
-def materials_page(motley_page):
-    page, heard = motley_page
-    page.set_viewport_size({"width": 1440, "height": 900})
-    upload_ball(page, SIDE, badge=True)
-    page.get_by_role("button", name="Materials", exact=True).click()
-    for _ in range(3):
-        page.keyboard.press("Escape")  # what another test has left: a merge, the brush, a choice
-    if button(page, "Reset").is_enabled():
-        button(page, "Reset").click()
-    settled(page, 2)
-    yield page
-    assert heard == []
+LIGHT = f"{VIEW}.original_light"
 
 
 def swatches(page):
@@ -95,8 +69,7 @@ def share_of(page, which):
 
 def settled(page, count):
     """Wait until so many materials are on screen, as analyzed."""
-    page.wait_for_selector(".materials:not([aria-busy=true])", state="attached")
-    wait_until_idle(page)
+    wait_until_answered(page)
     expect(swatches(page)).to_have_count(count)
 
 
@@ -175,7 +148,7 @@ def test_a_stroke_gives_what_it_covers_to_the_chosen_material(materials_page):
     assert differ(relit_pixels(materials_page), before) > 0.002
     button(materials_page, "Undo").click()
     assert until(materials_page, lambda: share_of(materials_page, 1) == share)
-    wait_until_idle(materials_page)
+    wait_until_answered(materials_page)
     assert until(materials_page, lambda: differ(relit_pixels(materials_page), before) < 0.0005)
 
 
@@ -213,7 +186,7 @@ def test_the_brush_has_the_size_that_its_ring_shows(materials_page):
     for key in ("", "]", "[", "["):
         if key:
             materials_page.keyboard.press(key)
-        materials_page.wait_for_timeout(100)
+        wait_until_shown(materials_page)
         widths.append(ring.bounding_box()["width"])
     assert widths[3] < widths[0] == widths[2] < widths[1]
     materials_page.get_by_role("slider", name="Brush size").fill("100")
@@ -239,14 +212,17 @@ def test_what_is_downloaded_is_the_corrected_analysis(materials_page):
     settled(materials_page, 1)
     for slider, degrees in (("azimuth", "10"), ("elevation", "30")):
         materials_page.get_by_role("slider", name=f"Relit: {slider}").fill(degrees)
-    materials_page.wait_for_timeout(500)
+    assert until(materials_page, lambda: sliders(materials_page, "relit") == [10, 30])
+    wait_until_answered(materials_page)
     with materials_page.expect_download() as started:
         materials_page.get_by_text("Relit picture").click()
-    y, x = np.mgrid[:SIDE, :SIDE] - SIDE / 2 + 0.5
+    y, x = np.mgrid[:BALL_SIDE, :BALL_SIDE] - BALL_SIDE / 2 + 0.5
     color = np.repeat(np.where(x + y < 0, 230, 120)[..., None], 3, axis=-1) / 255
-    color[np.hypot(x - 0.1 * SIDE, y - 0.1 * SIDE) < 0.15 * SIDE] = np.array([200, 30, 40]) / 255
-    image = toonkit.ToonImage(color, np.hypot(x, y) < 0.42 * SIDE)
-    one = np.zeros((SIDE, SIDE), int)
+    color[np.hypot(x - 0.1 * BALL_SIDE, y - 0.1 * BALL_SIDE) < 0.15 * BALL_SIDE] = (
+        np.array([200, 30, 40]) / 255
+    )
+    image = toonkit.ToonImage(color, np.hypot(x, y) < 0.42 * BALL_SIDE)
+    one = np.zeros((BALL_SIDE, BALL_SIDE), int)
     corrected = toonkit.analyze(image, materials_page.evaluate(LIGHT), materials=one)
     with Image.open(started.value.path()) as picture:
         downloaded = np.asarray(picture, dtype=int)
@@ -276,7 +252,7 @@ def test_a_lasso_makes_a_new_material_of_what_it_encloses(materials_page):
     settled(materials_page, 3)
     expect(materials_page.locator(".swatch[aria-pressed=true]")).to_have_count(1)
     share = share_of(materials_page, 1)
-    wait_until_idle(materials_page)
+    wait_until_answered(materials_page)
     assert share_of(materials_page, 1) == share  # Python encloses what the page has enclosed
 
 
@@ -346,16 +322,3 @@ def test_another_drawing_shows_its_own_materials(materials_page):
     expect(swatches(materials_page)).to_have_count(1)
     expect(materials_page.locator(".swatch[aria-pressed=true]")).to_have_count(0)
     assert button(materials_page, "Merge into").is_disabled()
-
-
-def test_on_a_narrow_page_materials_are_corrected_above_the_tabs(browser, relight_url):
-    page = browser.new_page(viewport={"width": 420, "height": 800})
-    page.goto(relight_url)
-    page.wait_for_selector(".relight:not(.empty)", timeout=START_SECONDS * 1000)
-    page.get_by_role("button", name="Materials", exact=True).click()
-    swatches(page).nth(1).click()
-    expect(swatches(page).nth(1)).to_have_attribute("aria-pressed", "true")
-    card = page.locator(".card.original").bounding_box()
-    tabs = page.get_by_role("tablist").bounding_box()
-    assert tabs["y"] >= card["y"] + card["height"]
-    page.close()

@@ -7,29 +7,28 @@ import pytest
 from playwright.sync_api import expect
 
 import toonkit
-from tests.dashboards.test_relight import differ, relit_pixels, until
-from tests.dashboards.test_relight_materials import (  # noqa: F401  # fixtures
-    BADGE,
-    BALL,
-    button,
-    materials_page,
-    motley_page,
-    place,
-    settled,
-    swatches,
+from tests.dashboards.driving import (
+    differ,
+    relit_pixels,
+    sliders,
+    until,
+    wait_until_answered,
+    wait_until_shown,
 )
+from tests.dashboards.test_relight_materials import BADGE, BALL, button, place, settled, swatches
 
 pytestmark = pytest.mark.browser
 
+SILENT_SECONDS = 1.0
 MESSAGES = """() => {
-  window.sent = 0
+  window.sent = 1  // until nothing has been sent for a while
   const send = WebSocket.prototype.send
   WebSocket.prototype.send = function (...data) { window.sent += 1; return send.apply(this, data) }
 }"""
 
 
 @pytest.fixture
-def ramp_page(materials_page):  # noqa: F811
+def ramp_page(materials_page):
     """The gray ball chosen, which is painted in two tones."""
     materials_page.mouse.click(*place(materials_page, BALL))
     expect(materials_page.get_by_label("Tone 1 of 2, the darkest")).to_be_visible()
@@ -62,10 +61,17 @@ def test_a_picked_tone_is_seen_in_the_relit_picture_undone_and_redone(ramp_page)
     assert until(ramp_page, lambda: differ(relit_pixels(ramp_page), blue) < 0.0005)
 
 
+def wait_until_silent(page):
+    """Wait until the page has sent nothing for a while: a chosen material is told to the tab below."""
+    while page.evaluate("window.sent") > 0:
+        page.evaluate("window.sent = 0")
+        page.wait_for_timeout(SILENT_SECONDS * 1000)
+
+
 def test_a_dragged_threshold_moves_the_shadow_without_a_message_to_the_server(ramp_page):
-    ramp_page.wait_for_timeout(500)
     before, start = relit_pixels(ramp_page), illumination(ramp_page)
     ramp_page.evaluate(MESSAGES)
+    wait_until_silent(ramp_page)
     box = steps(ramp_page).first.bounding_box()
     middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     ramp_page.mouse.move(*middle)
@@ -116,20 +122,24 @@ def test_what_stays_flat_does_not_answer_to_the_light(ramp_page):
     ramp_page.get_by_role("checkbox", name="Stays flat").check()
     azimuth = ramp_page.get_by_role("slider", name="Relit: azimuth")
     azimuth.fill("10")
-    ramp_page.wait_for_timeout(1000)
+    wait_until_answered(ramp_page)
     ramp_page.mouse.click(*place(ramp_page, BADGE))
     ramp_page.get_by_role("checkbox", name="Stays flat").check()
-    ramp_page.wait_for_timeout(1000)
+    wait_until_answered(ramp_page)
     before = picture_pixels(ramp_page)
     azimuth.fill("190")
-    ramp_page.wait_for_timeout(500)
+    assert until(ramp_page, lambda: sliders(ramp_page, "relit")[0] == 190)
+    wait_until_shown(ramp_page)
     assert differ(picture_pixels(ramp_page), before) == 0
 
 
 def picture_pixels(page):
     """The relit picture without the sun on it."""
-    page.locator(".card.relit .sun").evaluate("sun => { sun.style.visibility = 'hidden' }")
-    return relit_pixels(page)
+    sun = page.locator(".card.relit .sun")
+    sun.evaluate("sun => { sun.style.visibility = 'hidden' }")
+    pixels = relit_pixels(page)
+    sun.evaluate("sun => { sun.style.visibility = '' }")
+    return pixels
 
 
 def test_a_reset_ramp_is_the_one_that_was_found(ramp_page):
