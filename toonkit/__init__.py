@@ -43,6 +43,7 @@ from toonkit.model.materials import Materials
 from toonkit.model.normal_map_loading import read_normal_map
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination, shade
+from toonkit.model.tone_ramp import ToneRamp
 from toonkit.numerics.report import SolverReport
 from toonkit.relighting import relight
 
@@ -63,6 +64,7 @@ __all__ = [
     "Refinement",
     "RefinementOptions",
     "SolverReport",
+    "ToneRamp",
     "ToonAnalysis",
     "ToonImage",
     "ToonkitError",

@@ -269,6 +269,16 @@ def as_lines(argument: str, value: ArrayLike, mask: BoolArray) -> BoolArray:
     return lines
 
 
+def as_marks(argument: str, value: ArrayLike, mask: BoolArray) -> BoolArray:
+    """Return which pixels (H, W) of a mask are marked."""
+    array = any_array(argument, value)
+    if array.dtype != np.bool_ or array.ndim != 2:
+        raise refuse(argument, "must be an (H, W) array of bools", describe_value(value))
+    same_shape(argument, array.shape, mask.shape, "the picture")
+    marked: BoolArray = array & mask
+    return marked
+
+
 def as_light(argument: str, value: ArrayLike, *, behind: bool = False) -> FloatArray:
     """Return a unit (3,) direction from the surface to a light, on the viewer's side of the image plane unless `behind`."""
     try:

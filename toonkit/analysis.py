@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from toonkit._validation import FloatArray, check_unit_light, of_type, refuse, same_mask
+from toonkit._validation import BoolArray, FloatArray, check_unit_light, of_type, refuse, same_mask
 from toonkit.estimation.color_map_fit import allowed_intervals
 from toonkit.estimation.light_fit import LightEstimate
 from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.estimation.shading_ratio import PaintedMaterial
 from toonkit.illustration.palette import Palette, find_palette
+from toonkit.illustration.recoloring import recolor, recolored_materials, texture_share
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.description import describe_object
 from toonkit.model.image import ToonImage
@@ -22,13 +25,11 @@ from toonkit.model.light import describe_light
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination
+from toonkit.model.tone_ramp import ToneRamp
 from toonkit.numerics.masked_grid import IndexArray
 from toonkit.numerics.report import NOT_REFINED, SolverReport
 
 LightSource = Literal["given", "estimated", "assumed"]
-
-TEXTURE = 0.15
-"""Color difference, in sRGB, up to which what the model leaves unexplained is texture, which base colors keep."""
 
 SHINE = 0.1
 """Share of a material's pixels that are brighter than its base color: a rim or a shine, and not what it is painted with."""
@@ -61,6 +62,8 @@ class ToonAnalysis:
         confidence is the customary one: see `toonkit.estimation.light_fit.assume_light`.
     drawing : PreparedDrawing
         The picture with what is derived from it alone, for relighting and further analyses; prepared anew by default.
+    drawn_materials : Materials or None
+        The materials with the color maps that the picture is drawn with, if `materials` has others: see `recolored`.
 
     Raises
     ------
@@ -77,6 +80,7 @@ class ToonAnalysis:
     report: SolverReport = NOT_REFINED
     light_estimate: LightEstimate | None = None
     drawing: PreparedDrawing = field(kw_only=True, default=None)  # type: ignore[assignment]  # None until __post_init__
+    drawn_materials: Materials | None = field(kw_only=True, default=None)
 
     def __post_init__(self) -> None:
         if not isinstance(self.image, PreparedDrawing):
@@ -97,6 +101,10 @@ class ToonAnalysis:
             raise refuse(
                 "materials", "must all occur on the object", f"none of number {int(np.argmin(area))}"
             )
+        if self.drawn_materials is not None:
+            of_type("drawn_materials", self.drawn_materials, Materials)
+            if len(self.drawn_materials.color_maps) != self.materials.count:
+                raise refuse("drawn_materials", "must have as many color maps as the materials", "others")
         of_type("report", self.report, SolverReport)
         if self.light_estimate is not None:
             of_type("light_estimate", self.light_estimate, LightEstimate)
@@ -146,9 +154,11 @@ class ToonAnalysis:
     @property
     def picture(self) -> ToonImage:
         """The input as the model paints it: M(L · N), flat materials in their one tone, ink on top."""
-        paint = self.drawing.paint.copy()
-        for own, _, shown in self._shaded():
-            paint[own] = shown
+        paint = self.recolor(self.drawing.paint, slice(None))
+        value = self.normals.compact @ self.light
+        for material, flat, color_map in self._each_material():
+            if not flat:
+                paint[material.pixels] = color_map(value[material.pixels])
         return self._painted(self._composed(paint))
 
     @property
@@ -158,21 +168,103 @@ class ToonAnalysis:
 
     def base_colors(self) -> FloatArray:
         """Return the base color of the object's pixels alone, sRGB, shape (P, 3)."""
-        paint = self.drawing.paint.copy()
-        for own, lit, shown in self._shaded():
-            detail = paint[own] - shown
-            size = np.einsum("pc,pc->p", detail, detail) / TEXTURE**2
-            paint[own] = lit + np.maximum(1.0 - size, 0.0)[:, None] * detail
+        paint = self.recolor(self.drawing.paint, slice(None))
+        value = self.normals.compact @ self.light
+        for material, flat, color_map in self._each_material():
+            if not flat:
+                own = material.pixels
+                detail = paint[own] - color_map(value[own])
+                lit = color_map(np.quantile(value[own], 1.0 - SHINE))
+                paint[own] = lit + texture_share(detail)[:, None] * detail
         return self._composed(np.clip(paint, 0.0, 1.0, out=paint), highlights=0.0)
 
     @cached_property
     def palette(self) -> Palette | None:
-        """The drawing's own colors, as a ramp for each material; None if there are too many for a palette."""
-        return find_palette(self.image, self.materials)
+        """The drawing's own colors, as a ramp for each material; None if there are too many for a palette.
+
+        Materials with other color maps than they are drawn with have none.
+        """
+        palette = find_palette(self.image, self.drawn_materials or self.materials)
+        if palette is None or self.drawn_materials is None:
+            return palette
+        return palette.without(self.is_recolored, self.materials)
 
     def intervals(self) -> IlluminationInterval:
         """Range of illumination that each pixel's painted color allows, (H, W) bounds, NaN outside the mask."""
-        return self.drawing.interval(allowed_intervals(self.drawing, self.materials.color_maps))
+        drawn = self.drawn_materials or self.materials
+        return self.drawing.interval(allowed_intervals(self.drawing, drawn.color_maps))
+
+    @cached_property
+    def is_recolored(self) -> BoolArray:
+        """Which materials have another color map than they are drawn with, shape (count,)."""
+        drawn = self.drawn_materials
+        if drawn is None:
+            return np.zeros(self.materials.count, np.bool_)
+        return np.array(
+            [
+                is_flat != was_flat or not _same(one, other)
+                for one, is_flat, other, was_flat in zip(
+                    self.materials.color_maps, self.materials.flat, drawn.color_maps, drawn.flat, strict=True
+                )
+            ]
+        )
+
+    def recolored(self, ramps: Mapping[int, ToneRamp]) -> ToonAnalysis:
+        """
+        Return the analysis with other tones for some materials: relit, the drawing looks as if painted in them.
+
+        Parameters
+        ----------
+        ramps : mapping of int to ToneRamp
+            The tones of each of these materials; the others are as they are drawn.
+
+        Returns
+        -------
+        ToonAnalysis
+            One of the same drawing and shape, whose `materials` have those color maps.
+
+        Raises
+        ------
+        ToonkitError
+            If there is no such material, or a ramp is none.
+
+        Examples
+        --------
+        >>> import toonkit
+        >>> analysis = toonkit.analyze("sample:pear", (135, 45))
+        >>> blue = toonkit.ToneRamp(["#224488", "#88bbff"], [0.2])
+        >>> toonkit.relight(analysis.recolored({0: blue}), (30, 40)).save("blue_pear.png")  # doctest: +SKIP
+        """
+        drawn = self.drawn_materials or self.materials
+        if not ramps:
+            return replace(self, materials=drawn, drawn_materials=None)
+        for number, ramp in ramps.items():
+            of_type("ramps", ramp, ToneRamp)
+            if number not in range(drawn.count):
+                raise refuse("ramps", f"must be of materials 0 to {drawn.count - 1}", number)
+        return replace(self, materials=recolored_materials(drawn, ramps), drawn_materials=drawn)
+
+    def recolor(self, paint: FloatArray, pixels: IndexArray | slice) -> FloatArray:
+        """
+        Return what the drawing would be painted in, under its own light, with the color maps of `materials`.
+
+        Parameters
+        ----------
+        paint : ndarray, shape (n, 3)
+            Colors that some of the object's pixels are painted in, sRGB.
+        pixels : ndarray of int, shape (n,), or slice
+            Which ones, counted in row-major order.
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+            Always a new array.
+        """
+        if self.drawn_materials is None or not self.is_recolored.any():
+            return paint.copy()
+        labels = self.materials.labels[self.image.mask][pixels]
+        value = self.normals.compact[pixels] @ self.light
+        return recolor(paint, labels, value, self.drawn_materials, self.materials, self.is_recolored)
 
     def save(self, path: str | PathLike[str]) -> None:
         """
@@ -192,15 +284,30 @@ class ToonAnalysis:
 
         save_analysis(self, path)
 
-    def _shaded(self) -> Iterator[tuple[IndexArray | slice, FloatArray, FloatArray]]:
-        """Yield of each shaded material its pixels, its lit tone (3,), and the colors that its map gives them (p, 3)."""
-        value = self.normals.compact @ self.light
-        for material, color_map in zip(
-            self.drawing.painted_materials, self.materials.color_maps, strict=True
-        ):
-            if material.tones is not None:
-                own = value[material.pixels]
-                yield material.pixels, color_map(np.quantile(own, 1.0 - SHINE)), color_map(own)
+    def save_html(self, path: str | PathLike[str], light: ArrayLike = (35.0, 40.0)) -> None:
+        """
+        Write one HTML file that shows the picture under a light that its reader drags, without Python or a network.
+
+        Parameters
+        ----------
+        path : path
+            Ends in .html.
+        light : array_like, shape (3,) or (2,), optional
+            The light to begin with, as in `toonkit.relight`.
+
+        Raises
+        ------
+        ToonkitError
+            If the suffix is another, the light is refused, or the file cannot be written.
+        """
+        from toonkit.viz.offline_page import write_offline_page  # noqa: PLC0415 - viz stands above analyses
+
+        write_offline_page(self, path, light)
+
+    def _each_material(self) -> Iterator[tuple[PaintedMaterial, bool, ColorMap]]:
+        """Yield of each material its pixels, whether it is flat, and its color map."""
+        materials = self.materials
+        return zip(self.drawing.painted_materials, materials.flat.tolist(), materials.color_maps, strict=True)
 
     def _composed(self, paint: FloatArray, *, highlights: float = 1.0) -> FloatArray:
         """Put other paint (P, 3) under the drawing's ink and highlights, and mix it where the drawing does."""
@@ -212,3 +319,7 @@ class ToonAnalysis:
     def _painted(self, paint: FloatArray) -> ToonImage:
         """Return the picture of which the object's pixels have these colors (P, 3)."""
         return ToonImage.like(self.image, paint, paint[self.image.fringe_pixels])
+
+
+def _same(one: ColorMap, other: ColorMap) -> bool:
+    return one is other or (one.domain == other.domain and np.array_equal(one.colors, other.colors))

@@ -102,7 +102,8 @@ def relight(
     disappears at the first turn of the light, because it would remain as a scratch where the edge was.
 
     A flat material of color b becomes c' = c + s (M(I') - b). The factor s grows from 0 to `flat_shading` as the light
-    turns by `FULL_TURN`, so that shadows come in gradually. Pixels that the object covers in part change as the nearest
+    turns by `FULL_TURN`, so that shadows come in gradually. Recolored materials (`ToonAnalysis.recolored`) are first
+    painted with their new color maps under the drawing's light. Pixels that the object covers in part change as the nearest
     object pixel does. Line art stays as drawn. Where it covers a pixel in part, the rest of the pixel changes, and so
     do pixels that two materials share. A highlight moves with the paint beneath it and fades as w does for a small d,
     with r = `HIGHLIGHT_RANGE`.
@@ -140,8 +141,9 @@ def relight(
     mixed = paint.mixed
     strength = flat_shading * (turn_share(analysis.light, light) if keep_detail else 1.0)
     color = np.empty_like(image.pixels)
+    painted = analysis.recolor(image.pixels, slice(None)) if analysis.is_recolored.any() else image.pixels
     run_in_bands(
-        _paint, labels, normals, image.pixels, analysis.light, light,
+        _paint, labels, normals, painted, analysis.light, light,
         *_stacked(paint.materials), float(strength), bool(keep_detail), color,
     )  # fmt: skip
     glow = LightColor.of(shine, float(ambient), analysis.materials.color_maps)
@@ -266,8 +268,8 @@ def relight_pixels(
     paint = Paint.of(analysis, palette, keep_detail=keep_detail)
     place, mixed = paint.mixed.among(pixels)
     every = np.concatenate([pixels, mixed.sources.ravel()])  # with those that the mixed ones show
-    labels, painted = analysis.materials.labels[drawing.places(every)], analysis.image.pixels[every]
-    normals = analysis.normals.compact[every]
+    labels, drawn = analysis.materials.labels[drawing.places(every)], analysis.image.pixels[every]
+    painted, normals = analysis.recolor(drawn, every), analysis.normals.compact[every]
     for new_light in new_lights:
         color = np.empty_like(painted)
         strength = turn_share(light, new_light) if keep_detail else 1.0
@@ -276,10 +278,10 @@ def relight_pixels(
             *_stacked(paint.materials), float(strength), bool(keep_detail), color,
         )  # fmt: skip
         left = highlights_left(normals[place] @ (new_light - light))
-        before, after = (colors[len(pixels) :].reshape(-1, 2, 3) for colors in (painted, color))
+        before, after = (colors[len(pixels) :].reshape(-1, 2, 3) for colors in (drawn, color))
         color[place] = mixed.over(before, after, left)
         own = slice(len(pixels))
-        yield paint.rounded(color[own], painted[own], labels[own], place[mixed.highlit])
+        yield paint.rounded(color[own], drawn[own], labels[own], place[mixed.highlit])
 
 
 def highlights_left(change: FloatArray) -> FloatArray:

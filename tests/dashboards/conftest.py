@@ -1,4 +1,4 @@
-"""A dashboard served on a free port, and a page in headless Chromium that tolerates no complaint."""
+"""Dashboards served on free ports, and pages in headless Chromium that tolerate no complaint."""
 
 from __future__ import annotations
 
@@ -11,13 +11,22 @@ import time
 from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
-from urllib.error import URLError
 from urllib.request import urlopen
 
 import numpy as np
 import pytest
-from playwright.sync_api import expect
 
+from tests.dashboards.driving import (
+    START_SECONDS,
+    WINDOW,
+    Tab,
+    listen,
+    show_badged_ball,
+    show_first_choices,
+    show_first_sample,
+    wait_until_examined,
+    wait_until_relit,
+)
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.contestants import contestants
 from toonkit.study.rendering import render_shape
@@ -26,14 +35,10 @@ from toonkit.study.table import CSV_NAME, PROVENANCE_NAME, as_table, write_csv
 from toonkit.study.trials import StudySettings, Trial, paint, run_trial
 
 ROOT = Path(__file__).parents[2]
-START_SECONDS = 180  # the first page of a busy machine also compiles
-PATIENCE_SECONDS = 90  # for what a page answers once it stands
 LEAVE_SECONDS = 60
 STUDY_SIZE = 48
 STUDY_SHAPES = ("sphere", "cone")
 STUDY_COLOR_MAPS = ("terracotta", "ocean")
-
-LOCAL = ("http://127.0.0.1", "ws://127.0.0.1", "data:", "blob:")
 
 
 def free_port() -> int:
@@ -122,46 +127,71 @@ def wait_until_all_have_left(url):
 
 
 def wait_until_served(url, server, log):
+    address = "127.0.0.1", int(url.split(":")[2].partition("/")[0])
     end = time.monotonic() + START_SECONDS
     while time.monotonic() < end:
         if server.poll() is not None:
             pytest.fail(f"the dashboard's server ended: {log.read_text()}")
         try:
-            with urlopen(url, timeout=START_SECONDS):
+            with socket.create_connection(address, START_SECONDS):
                 return
-        except (URLError, ConnectionError):
+        except ConnectionError:
             time.sleep(0.2)
     pytest.fail(f"the dashboard did not start in {START_SECONDS} s: {log.read_text()}")
 
 
 @pytest.fixture
 def complaints(page):
-    """What the page complained about: errors, and requests that left this machine. Checked after the test."""
-    page.set_default_timeout(PATIENCE_SECONDS * 1000)
-    expect.set_options(timeout=PATIENCE_SECONDS * 1000)
-    heard: list[str] = []
-    page.on("pageerror", lambda error: heard.append(f"page error: {error}"))
-    page.on("console", lambda message: heard.append(message.text) if message.type == "error" else None)
-    page.on("request", lambda request: None if request.url.startswith(LOCAL) else heard.append(request.url))
+    """What the page complained about. Checked after the test."""
+    heard = listen(page)
     yield heard
     assert heard == []
 
 
-@pytest.fixture
-def relight_page(page, relight_url, complaints):
-    page.set_viewport_size({"width": 1440, "height": 900})
-    page.goto(relight_url)
-    page.wait_for_selector(".relight:not(.empty)", timeout=START_SECONDS * 1000)
-    page.wait_for_selector(".busy:not(.on)", state="attached")
-    return page
+@pytest.fixture(scope="session")
+def relight_tab(browser, relight_url):
+    page = browser.new_page(viewport=WINDOW)
+    yield Tab(page, relight_url, wait_until_relit)
+    page.close()
 
 
 @pytest.fixture
-def study_page(page, study_url, complaints):
-    page.set_viewport_size({"width": 1440, "height": 900})
-    page.goto(study_url)
-    page.wait_for_selector(".bk-Figure", timeout=START_SECONDS * 1000)
-    page.locator(".sheet img[alt='normal map']").nth(len(contestants())).wait_for(
-        timeout=START_SECONDS * 1000
-    )
-    return page
+def opened_relight_page(relight_tab, request):
+    """The relight page that nobody has touched."""
+    with relight_tab.lent(request.session.testsfailed, fresh=True) as page:
+        yield page
+
+
+@pytest.fixture
+def relight_page(relight_tab, request):
+    """The relight page with its first sample."""
+    with relight_tab.lent(request.session.testsfailed, show_first_sample) as page:
+        yield page
+
+
+@pytest.fixture
+def materials_page(relight_tab, request):
+    """A gray ball with a red badge on the relight page, its two materials shown."""
+    with relight_tab.lent(request.session.testsfailed, show_badged_ball) as page:
+        yield page
+
+
+@pytest.fixture(scope="session")
+def study_tab(browser, study_url):
+    page = browser.new_page(viewport=WINDOW)
+    yield Tab(page, study_url, wait_until_examined)
+    page.close()
+
+
+@pytest.fixture
+def opened_study_page(study_tab, request):
+    """The study page that nobody has touched."""
+    with study_tab.lent(request.session.testsfailed, fresh=True) as page:
+        yield page
+
+
+@pytest.fixture
+def study_page(study_tab, request):
+    """The study page with the choices that it opens with."""
+    with study_tab.lent(request.session.testsfailed, show_first_choices) as page:
+        yield page

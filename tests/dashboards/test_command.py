@@ -11,7 +11,8 @@ from contextlib import contextmanager
 
 import pytest
 
-from tests.dashboards.conftest import ROOT, START_SECONDS, free_port, wait_until_served
+from tests.dashboards.conftest import ROOT, free_port, wait_until_served
+from tests.dashboards.driving import START_SECONDS
 from toonkit.cli import main
 
 STOP_SECONDS = 30
@@ -41,9 +42,30 @@ def commanded(folder, *arguments):
             server.terminate()
 
 
+def handshake(url, origin):
+    """The status with which the server of a page answers a page of another address that wants to connect to it."""
+    host = url.split("/")[2]
+    lines = [
+        f"GET /{url.rsplit('/', 1)[1]}/ws HTTP/1.1",
+        f"Host: {host}",
+        f"Origin: {origin}",
+        "Connection: Upgrade",
+        "Upgrade: websocket",
+        "Sec-WebSocket-Version: 13",
+        "Sec-WebSocket-Key: MDEyMzQ1Njc4OWFiY2RlZg==",
+    ]
+    with socket.create_connection(tuple(host.split(":")), STOP_SECONDS) as connection:
+        connection.sendall("\r\n".join([*lines, "", ""]).encode())
+        return int(connection.recv(64).split()[1])
+
+
 @pytest.mark.browser
-def test_relight_is_served_and_opened_until_it_is_interrupted(tmp_path, page, complaints):
+def test_relight_is_served_to_its_own_page_alone_and_opened_until_it_is_interrupted(
+    tmp_path, page, complaints
+):
     with commanded(tmp_path, "relight") as (url, server):
+        assert handshake(url, url.rsplit("/", 1)[0]) == 101
+        assert handshake(url, "http://example.com") == 403
         page.goto(url)
         page.wait_for_selector(".relight:not(.empty)", timeout=START_SECONDS * 1000)
         assert page.title() == "toonkit · relight a drawing"
@@ -91,26 +113,3 @@ def test_what_cannot_be_shown_is_refused(arguments, message, tmp_path, monkeypat
     monkeypatch.chdir(tmp_path)
     assert main(["dashboard", *arguments, "--no-show"]) == 2
     assert message in capsys.readouterr().err
-
-
-def handshake(url, origin):
-    """The status with which the server of a page answers a page of another address that wants to connect to it."""
-    host = url.split("/")[2]
-    lines = [
-        f"GET /{url.rsplit('/', 1)[1]}/ws HTTP/1.1",
-        f"Host: {host}",
-        f"Origin: {origin}",
-        "Connection: Upgrade",
-        "Upgrade: websocket",
-        "Sec-WebSocket-Version: 13",
-        "Sec-WebSocket-Key: MDEyMzQ1Njc4OWFiY2RlZg==",
-    ]
-    with socket.create_connection(tuple(host.split(":")), STOP_SECONDS) as connection:
-        connection.sendall("\r\n".join([*lines, "", ""]).encode())
-        return int(connection.recv(64).split()[1])
-
-
-def test_a_page_of_another_site_cannot_connect(tmp_path):
-    with commanded(tmp_path, "relight") as (url, _):
-        assert handshake(url, url.rsplit("/", 1)[0]) == 101
-        assert handshake(url, "http://example.com") == 403

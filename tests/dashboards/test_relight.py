@@ -2,109 +2,39 @@
 
 from __future__ import annotations
 
-import time
-from io import BytesIO
-
 import numpy as np
 import pytest
 from PIL import Image
+from playwright.sync_api import expect
 
-from tests.dashboards.conftest import wait_until_all_have_left
+from tests.dashboards.driving import (
+    START_SECONDS,
+    differ,
+    drag,
+    open_shape,
+    original_pixels,
+    relit_pixels,
+    sliders,
+    surface_pixels,
+    until,
+    upload_ball,
+    wait_until_answered,
+    wait_until_shown,
+)
 
 pytestmark = pytest.mark.browser
 
 
-def relit_pixels(page):
-    """The relit picture as painted on screen."""
-    box = page.locator(".card.relit .stage").bounding_box()
-    shot = page.screenshot(clip=box)
-    return np.asarray(Image.open(BytesIO(shot)).convert("RGB"), dtype=int)
-
-
-def original_pixels(page):
-    """The drawing as painted on screen."""
-    shot = page.screenshot(clip=page.locator(".card.original .stage").bounding_box())
-    return np.asarray(Image.open(BytesIO(shot)).convert("RGB"), dtype=int)
-
-
-def surface_pixels(page):
-    """The canvas of the 3-D tab as painted on screen, its arrows included."""
-    page.locator(".surface canvas").scroll_into_view_if_needed()
-    page.wait_for_timeout(300)
-    shot = page.locator(".surface canvas").screenshot()
-    return np.asarray(Image.open(BytesIO(shot)).convert("RGB"), dtype=int)
-
-
-def differ(one, other):
-    """The share of pixels in which two pictures of one size differ clearly."""
-    rows = min(len(one), len(other))
-    return (np.abs(one[:rows] - other[:rows]).max(axis=-1) > 30).mean()
-
-
-def until(page, condition, seconds=60):
-    """Wait for what a loaded machine shows late; whether it came."""
-    end = time.monotonic() + seconds
-    while not (come := condition()) and time.monotonic() < end:
-        page.wait_for_timeout(200)
-    return come
-
-
-def upload_ball(page, side, badge=False, flat=False, **options):
-    """Drop a drawing of a gray ball, with a flat red badge, unshaded or saved with options, and wait until it shows."""
-    y, x = np.mgrid[:side, :side] - side / 2 + 0.5
-    tone = np.where((x + y < 0) | flat, 230, 120)
-    color = np.dstack([tone, tone, tone])
-    if badge:
-        color[np.hypot(x - 0.1 * side, y - 0.1 * side) < 0.15 * side] = (200, 30, 40)
-    alpha = np.where(np.hypot(x, y) < 0.42 * side, 255, 0)
-    buffer = BytesIO()
-    Image.fromarray(np.dstack([color, alpha]).astype(np.uint8)).save(buffer, "PNG", **options)
-    page.locator("input[type=file]").set_input_files(
-        {"name": "ball.png", "mimeType": "image/png", "buffer": buffer.getvalue()}
-    )
-    page.wait_for_function(
-        "size => [...Bokeh.documents[0]._all_models.values()]"
-        ".some(m => m.data?.attributes?.picture_size && m.data.picture_size[0] === size)",
-        arg=side,
-        timeout=60_000,
-    )
-    wait_until_idle(page)
-
-
-def open_shape(page):
-    """Open the 3-D tab, and wait until a surface stands there."""
-    page.get_by_role("tab", name="Shape in 3-D").click()
-    page.wait_for_selector(".surface canvas", timeout=60_000)
-    assert until(page, lambda: np.ptp(surface_pixels(page)[20:-20], axis=(0, 1)).max() > 60)
-
-
-def sliders(page, card):
-    return [int(output.inner_text().rstrip("°")) for output in page.locator(f".card.{card} output").all()]
-
-
-def drag(page, target, to, steps=6):
-    box = page.locator(target).bounding_box()
-    center = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    page.mouse.move(*center)
-    page.mouse.down()
-    page.mouse.move(center[0] + to[0] * box["width"] / 2, center[1] - to[1] * box["height"] / 2, steps=steps)
-    page.mouse.up()
-    page.wait_for_timeout(300)
-
-
-def wait_until_idle(page):
-    page.wait_for_timeout(400)
-    page.wait_for_selector(".busy:not(.on)", state="attached", timeout=60_000)
-    page.wait_for_timeout(400)
-
-
-def test_the_page_opens_with_a_sample_already_relit(relight_page):
-    original = relight_page.screenshot(clip=relight_page.locator(".card.original .stage").bounding_box())
-    before = np.asarray(Image.open(BytesIO(original)).convert("RGB"), dtype=int)
-    after = relit_pixels(relight_page)
+def test_the_page_opens_with_a_sample_already_relit(opened_relight_page):
+    before, after = original_pixels(opened_relight_page), relit_pixels(opened_relight_page)
     assert before.shape == after.shape
     assert np.abs(before - after).max() > 50
-    assert relight_page.locator('[role=radio][aria-checked="true"]').count() == 2  # a sample and a method
+    for group in ("Sample drawing", "Method"):
+        cards = opened_relight_page.get_by_role("radiogroup", name=group)
+        expect(cards).to_be_visible()
+        assert cards.locator('[role=radio][aria-checked="true"]').count() == 1
+    for name in ("Undo", "Redo"):
+        expect(opened_relight_page.get_by_role("button", name=name)).to_be_disabled()
 
 
 @pytest.mark.parametrize("target", [".card.relit .ball-box", ".card.relit .stage"])
@@ -120,26 +50,25 @@ def test_dragging_moves_light_picture_and_sliders_together(relight_page, target)
 @pytest.mark.parametrize(("azimuth", "side"), [(90, -1), (246, 1)])
 def test_a_slider_moves_the_light(relight_page, azimuth, side):
     relight_page.locator(".card.relit input").nth(0).fill(str(azimuth))
-    relight_page.wait_for_timeout(200)
-    assert sliders(relight_page, "relit")[0] == azimuth
+    assert until(relight_page, lambda: sliders(relight_page, "relit")[0] == azimuth)
     dot, ball = (relight_page.locator(f".card.relit {part}").bounding_box() for part in (".dot", ".ball-box"))
     assert side * (dot["y"] + dot["height"] / 2 - ball["y"] - ball["height"] / 2) > 0.2 * ball["height"]
 
 
 def test_reset_shows_the_drawing_unchanged(relight_page):
+    assert sliders(relight_page, "relit") != sliders(relight_page, "original")
     relight_page.get_by_text("Reset to original").click()
-    relight_page.wait_for_timeout(300)
-    assert sliders(relight_page, "relit") == sliders(relight_page, "original")
+    assert until(relight_page, lambda: sliders(relight_page, "relit") == sliders(relight_page, "original"))
 
 
 def test_the_light_circles_until_it_is_touched(relight_page):
+    start = sliders(relight_page, "relit")
     relight_page.get_by_text("Orbit").click()
-    relight_page.wait_for_timeout(600)
+    assert until(relight_page, lambda: sliders(relight_page, "relit") != start)
     first = sliders(relight_page, "relit")
-    relight_page.wait_for_timeout(600)
-    assert sliders(relight_page, "relit") != first
+    assert until(relight_page, lambda: sliders(relight_page, "relit") != first)
     relight_page.get_by_text("Stop").click()
-    relight_page.wait_for_timeout(300)
+    wait_until_shown(relight_page)
     stopped = sliders(relight_page, "relit")
     relight_page.wait_for_timeout(300)
     assert sliders(relight_page, "relit") == stopped
@@ -148,8 +77,10 @@ def test_the_light_circles_until_it_is_touched(relight_page):
 def test_another_method_keeps_the_new_light(relight_page):
     drag(relight_page, ".card.relit .ball-box", (0.2, 0.5))
     light = sliders(relight_page, "relit")
+    before = relit_pixels(relight_page)
     relight_page.locator('[data-value="lumo"]').click()
-    wait_until_idle(relight_page)
+    assert until(relight_page, lambda: differ(relit_pixels(relight_page), before) > 0.005)
+    wait_until_answered(relight_page)
     assert sliders(relight_page, "relit") == light
     assert relight_page.locator('[data-value="lumo"]').get_attribute("aria-checked") == "true"
 
@@ -200,7 +131,8 @@ def test_flat_shading_is_offered_where_something_is_flat_and_changes_the_picture
     assert until(relight_page, lambda: slider.count() == 1)
     relight_page.get_by_role("slider", name="Relit: azimuth").fill("135")
     relight_page.get_by_role("slider", name="Relit: elevation").fill("5")
-    relight_page.wait_for_timeout(500)
+    assert until(relight_page, lambda: sliders(relight_page, "relit") == [135, 5])
+    wait_until_shown(relight_page)
     before = relit_pixels(relight_page)
     slider.focus()
     relight_page.keyboard.press("Home")
@@ -288,13 +220,20 @@ def test_the_tabs_show_color_map_normal_map_and_shape(relight_page):
     relight_page.wait_for_selector("text=/recovered surface/i", timeout=60_000)
 
 
+def wait_until_still(page):
+    """Wait until the surface does not change any more."""
+    before = surface_pixels(page)
+    while differ(after := surface_pixels(page), before) > 0:
+        before = after
+
+
 def test_the_shape_tab_shows_each_new_drawing_and_method(relight_page):
     open_shape(relight_page)
     for value in ("donut", "lumo"):
         before = surface_pixels(relight_page)
         relight_page.locator(f'[data-value="{value}"]').click()
         assert until(relight_page, lambda before=before: differ(surface_pixels(relight_page), before) > 0.005)
-        relight_page.wait_for_timeout(1000)
+        wait_until_still(relight_page)
 
 
 def test_the_shape_tab_survives_switches_in_any_order(relight_page):
@@ -303,7 +242,7 @@ def test_the_shape_tab_survives_switches_in_any_order(relight_page):
     for order in (("Color map",), ("Normal map", "Color map"), ("Color map", "Shape in 3-D", "Normal map")):
         for name in order:
             relight_page.get_by_role("tab", name=name).click()
-            relight_page.wait_for_timeout(300)
+            expect(relight_page.get_by_role("tab", name=name)).to_have_attribute("aria-selected", "true")
         open_shape(relight_page)
         assert until(relight_page, lambda: differ(surface_pixels(relight_page), first) < 0.001)
     relight_page.get_by_role("tab", name="Normal map").click()
@@ -331,24 +270,11 @@ def test_the_surface_is_turned_by_hand_and_by_keys_and_its_arrows_can_be_hidden(
 def test_the_surface_stands_on_the_pages_own_ground_in_either_theme(relight_page):
     open_shape(relight_page)
     assert surface_pixels(relight_page)[-5:, :5].max() < 80
-    relight_page.get_by_role("button", name="Toggle theme").click()
-    relight_page.wait_for_timeout(800)
-    assert surface_pixels(relight_page)[-5:, :5].min() > 200
-
-
-def test_what_visitors_brought_is_freed_once_they_have_left(browser, relight_url):
-    side = 100  # of no other drawing
-    for _ in range(3):
-        page = browser.new_page()
-        page.goto(relight_url)
-        page.wait_for_selector(".relight:not(.empty)", timeout=60_000)
-        upload_ball(page, side)
-        open_shape(page)
-        page.close()
-    found = wait_until_all_have_left(relight_url)
-    assert "ServerSession" not in found["counts"]
-    assert found["counts"].get("Page", 0) <= 1  # Panel may keep the first page of a process
-    assert side not in found["analyses"]
+    toggle = relight_page.get_by_role("button", name="Toggle theme")
+    toggle.click()
+    assert until(relight_page, lambda: surface_pixels(relight_page)[-5:, :5].min() > 200)
+    toggle.click()
+    assert until(relight_page, lambda: surface_pixels(relight_page)[-5:, :5].max() < 80)
 
 
 def test_without_webgl_python_paints_the_picture(page, relight_url, complaints):
@@ -359,7 +285,27 @@ def test_without_webgl_python_paints_the_picture(page, relight_url, complaints):
     )
     page.goto(relight_url)
     page.wait_for_selector(".relight.no-webgl:not(.empty) .relit img.picture[src^=blob]", timeout=60_000)
-    before = relit_pixels(page)
+    picture = page.locator(".relit img.picture")
+    before, painted = relit_pixels(page), picture.get_attribute("src")
     drag(page, ".card.relit .ball-box", (-0.5, 0.0))
-    page.wait_for_timeout(1500)
-    assert np.abs(relit_pixels(page) - before).max() > 30
+    expect(picture).not_to_have_attribute("src", painted)
+    assert until(page, lambda: np.abs(relit_pixels(page) - before).max() > 30)
+
+
+def test_on_a_narrow_page_the_sidebar_is_closed_and_materials_are_corrected_above_the_tabs(
+    page, relight_url, complaints
+):
+    page.set_viewport_size({"width": 420, "height": 800})
+    page.goto(relight_url)
+    page.wait_for_selector(".relight:not(.empty)", timeout=START_SECONDS * 1000)
+    method = page.get_by_role("radiogroup", name="Method")
+    expect(method).to_be_hidden()
+    page.get_by_role("button", name="Materials", exact=True).click()
+    swatch = page.locator(".swatches .swatch:not(.new)").nth(1)
+    swatch.click()
+    expect(swatch).to_have_attribute("aria-pressed", "true")
+    card = page.locator(".card.original").bounding_box()
+    tabs = page.get_by_role("tablist").bounding_box()
+    assert tabs["y"] >= card["y"] + card["height"]
+    page.get_by_role("button", name="Open drawer").click()
+    expect(method).to_be_visible()

@@ -10,55 +10,30 @@ from PIL import Image
 from playwright.sync_api import expect
 
 import toonkit
-from tests.dashboards.conftest import START_SECONDS
-from tests.dashboards.test_relight import differ, relit_pixels, until, upload_ball, wait_until_idle
+from tests.dashboards.driving import (
+    BALL_SIDE,
+    VIEW,
+    differ,
+    relit_pixels,
+    sliders,
+    until,
+    wait_until_answered,
+    wait_until_shown,
+)
 
 pytestmark = pytest.mark.browser
 
-SIDE = 128
 BADGE, BALL = (0.6, 0.6), (0.35, 0.35)  # places on the picture, as shares of its sides
-LIGHT = """() => [...Bokeh.documents[0]._all_models.values()]
-  .find((model) => model.data?.attributes?.picture_size).data.original_light"""
-
-
-expect.set_options(timeout=60_000)
-
-
-@pytest.fixture(scope="module")
-def motley_page(browser, relight_url):
-    """A gray ball with a red badge on the page, its two materials on screen: for all tests, since opening it takes long."""
-    page = browser.new_page(viewport={"width": 1440, "height": 900})
-    heard = []
-    page.on("pageerror", lambda error: heard.append(f"page error: {error}"))
-    page.on("console", lambda message: heard.append(message.text) if message.type == "error" else None)
-    page.goto(relight_url)
-    page.wait_for_selector(".relight:not(.empty)", timeout=START_SECONDS * 1000)
-    page.wait_for_selector(".bk-Figure", timeout=60_000)
-    yield page, heard
-    page.close()
-
-
-@pytest.fixture
-def materials_page(motley_page):
-    page, heard = motley_page
-    page.set_viewport_size({"width": 1440, "height": 900})
-    upload_ball(page, SIDE, badge=True)
-    page.get_by_role("button", name="Materials", exact=True).click()
-    for _ in range(3):
-        page.keyboard.press("Escape")  # what another test has left: a merge, the brush, a choice
-    if button(page, "Reset").is_enabled():
-        button(page, "Reset").click()
-    settled(page, 2)
-    yield page
-    assert heard == []
+LIGHT = f"{VIEW}.original_light"
 
 
 def swatches(page):
-    return page.locator(".swatch:not(.new):not(.ghost)")
+    return page.locator(".swatch:not(.new):not(.ghost):not(.mark)")
 
 
 def button(page, name):
-    return page.locator(".tools").get_by_role("button", name=name)
+    where = page.locator(".history" if name in ("Undo", "Redo") else ".tools")
+    return where.get_by_role("button", name=name)
 
 
 def place(page, share):
@@ -94,8 +69,7 @@ def share_of(page, which):
 
 def settled(page, count):
     """Wait until so many materials are on screen, as analyzed."""
-    page.wait_for_selector(".materials:not([aria-busy=true])", state="attached")
-    wait_until_idle(page)
+    wait_until_answered(page)
     expect(swatches(page)).to_have_count(count)
 
 
@@ -118,6 +92,7 @@ def test_a_part_that_is_clicked_is_chosen_here_and_in_the_color_map_tab(material
     expect(cards.nth(1)).to_have_attribute("aria-checked", "true")
     cards.nth(0).click()
     expect(swatches(materials_page).nth(0)).to_have_attribute("aria-pressed", "true")
+    materials_page.locator(".card.original header").scroll_into_view_if_needed()
     materials_page.mouse.click(*place(materials_page, BALL))
     expect(materials_page.locator(".swatch[aria-pressed=true]")).to_have_count(0)
 
@@ -173,7 +148,7 @@ def test_a_stroke_gives_what_it_covers_to_the_chosen_material(materials_page):
     assert differ(relit_pixels(materials_page), before) > 0.002
     button(materials_page, "Undo").click()
     assert until(materials_page, lambda: share_of(materials_page, 1) == share)
-    wait_until_idle(materials_page)
+    wait_until_answered(materials_page)
     assert until(materials_page, lambda: differ(relit_pixels(materials_page), before) < 0.0005)
 
 
@@ -211,7 +186,7 @@ def test_the_brush_has_the_size_that_its_ring_shows(materials_page):
     for key in ("", "]", "[", "["):
         if key:
             materials_page.keyboard.press(key)
-        materials_page.wait_for_timeout(100)
+        wait_until_shown(materials_page)
         widths.append(ring.bounding_box()["width"])
     assert widths[3] < widths[0] == widths[2] < widths[1]
     materials_page.get_by_role("slider", name="Brush size").fill("100")
@@ -227,7 +202,6 @@ def test_the_light_of_the_drawing_is_not_moved_while_materials_are_corrected(mat
     materials_page.get_by_role("button", name="Light", exact=True).click()
     expect(materials_page.locator(".card.original .ball-box")).to_be_visible()
     assert materials_page.evaluate(LIGHT) == pytest.approx(light, abs=0.01)
-    materials_page.keyboard.press("Control+z")
     expect(materials_page.locator(".label-map")).to_be_hidden()
 
 
@@ -238,19 +212,108 @@ def test_what_is_downloaded_is_the_corrected_analysis(materials_page):
     settled(materials_page, 1)
     for slider, degrees in (("azimuth", "10"), ("elevation", "30")):
         materials_page.get_by_role("slider", name=f"Relit: {slider}").fill(degrees)
-    materials_page.wait_for_timeout(500)
+    assert until(materials_page, lambda: sliders(materials_page, "relit") == [10, 30])
+    wait_until_answered(materials_page)
     with materials_page.expect_download() as started:
         materials_page.get_by_text("Relit picture").click()
-    y, x = np.mgrid[:SIDE, :SIDE] - SIDE / 2 + 0.5
+    y, x = np.mgrid[:BALL_SIDE, :BALL_SIDE] - BALL_SIDE / 2 + 0.5
     color = np.repeat(np.where(x + y < 0, 230, 120)[..., None], 3, axis=-1) / 255
-    color[np.hypot(x - 0.1 * SIDE, y - 0.1 * SIDE) < 0.15 * SIDE] = np.array([200, 30, 40]) / 255
-    image = toonkit.ToonImage(color, np.hypot(x, y) < 0.42 * SIDE)
-    one = np.zeros((SIDE, SIDE), int)
+    color[np.hypot(x - 0.1 * BALL_SIDE, y - 0.1 * BALL_SIDE) < 0.15 * BALL_SIDE] = (
+        np.array([200, 30, 40]) / 255
+    )
+    image = toonkit.ToonImage(color, np.hypot(x, y) < 0.42 * BALL_SIDE)
+    one = np.zeros((BALL_SIDE, BALL_SIDE), int)
     corrected = toonkit.analyze(image, materials_page.evaluate(LIGHT), materials=one)
     with Image.open(started.value.path()) as picture:
         downloaded = np.asarray(picture, dtype=int)
     expected = toonkit.relight(corrected, (10, 30)).to_rgba().astype(int)
     assert np.abs(downloaded - expected)[image.mask].max() <= 1
+
+
+def test_a_region_is_filled_with_a_click_and_taken_back(materials_page):
+    swatches(materials_page).nth(0).click()
+    button(materials_page, "Fill").click()
+    materials_page.mouse.click(*place(materials_page, BADGE))
+    settled(materials_page, 1)
+    button(materials_page, "Undo").click()
+    settled(materials_page, 2)
+
+
+def test_a_lasso_makes_a_new_material_of_what_it_encloses(materials_page):
+    swatches(materials_page).nth(0).click()
+    button(materials_page, "Split").click()
+    corners = [place(materials_page, corner) for corner in ((0.2, 0.2), (0.5, 0.2), (0.5, 0.45), (0.2, 0.45))]
+    materials_page.mouse.move(*corners[0])
+    materials_page.mouse.down()
+    for corner in corners[1:]:
+        materials_page.mouse.move(*corner, steps=8)
+    assert materials_page.locator(".lasso polygon").get_attribute("points").count(",") > 10
+    materials_page.mouse.up()
+    settled(materials_page, 3)
+    expect(materials_page.locator(".swatch[aria-pressed=true]")).to_have_count(1)
+    share = share_of(materials_page, 1)
+    wait_until_answered(materials_page)
+    assert share_of(materials_page, 1) == share  # Python encloses what the page has enclosed
+
+
+def test_what_is_marked_as_ink_is_relit_as_drawn_and_is_no_material(materials_page):
+    for slider, degrees in (("azimuth", "135"), ("elevation", "5")):
+        materials_page.get_by_role("slider", name=f"Relit: {slider}").fill(degrees)
+    assert until(materials_page, lambda: np.abs(relit_color(materials_page, BADGE) - (200, 30, 40)).max() > 3)
+    mark(materials_page, "Ink").click()
+    button(materials_page, "Fill").click()
+    materials_page.mouse.click(*place(materials_page, BADGE))
+    settled(materials_page, 1)
+    assert until(materials_page, lambda: np.abs(relit_color(materials_page, BADGE) - (200, 30, 40)).max() < 3)
+    materials_page.mouse.move(*place(materials_page, BALL))
+    assert until(
+        materials_page, lambda: shown_color(materials_page, BALL).max() < 110
+    )  # all but ink is veiled
+    assert np.abs(shown_color(materials_page, BADGE) - (200, 30, 40)).max() < 3
+    button(materials_page, "Undo").click()
+    settled(materials_page, 2)
+
+
+@pytest.mark.parametrize("name", ["Highlight", "Cast shadow"])
+def test_a_highlight_or_cast_shadow_is_painted_and_fades_under_another_light(materials_page, name):
+    for slider, degrees in (("azimuth", "0"), ("elevation", "0")):
+        materials_page.get_by_role("slider", name=f"Relit: {slider}").fill(degrees)
+    mark(materials_page, name).click()
+    button(materials_page, "Fill").click()
+    materials_page.mouse.click(*place(materials_page, BADGE))
+    settled(materials_page, 1)
+    color = relit_color(materials_page, BADGE)
+    assert until(materials_page, lambda: np.ptp(relit_color(materials_page, BADGE)) < 60), (
+        color
+    )  # nearly gray, as the ball is
+    materials_page.keyboard.press("Control+z")
+    settled(materials_page, 2)
+
+
+def test_marks_are_found_with_the_keyboard_and_painted_over_with_a_material(materials_page):
+    mark(materials_page, "Plain paint").focus()
+    materials_page.keyboard.press("Enter")
+    expect(button(materials_page, "Brush")).to_have_attribute("aria-pressed", "true")
+    mark(materials_page, "Ink").click()
+    drag(materials_page, place(materials_page, (0.3, 0.3)), place(materials_page, (0.45, 0.3)))
+    settled(materials_page, 2)
+    assert until(materials_page, lambda: shown_color(materials_page, (0.4, 0.3)).max() < 250)
+    swatches(materials_page).nth(0).click()
+    button(materials_page, "Brush").click()
+    drag(materials_page, place(materials_page, (0.3, 0.3)), place(materials_page, (0.45, 0.3)))
+    settled(materials_page, 2)
+
+
+def mark(page, name):
+    return page.get_by_role("group", name="Mark as").get_by_role("button", name=name)
+
+
+def relit_color(page, share):
+    """Color on screen of a place of the relit picture."""
+    x, y = place(page, share)
+    one, other = (page.locator(f".card.{card} .stage").bounding_box() for card in ("original", "relit"))
+    shot = page.screenshot(clip={"x": x - one["x"] + other["x"] - 2, "y": y - 2, "width": 4, "height": 4})
+    return np.asarray(Image.open(BytesIO(shot)).convert("RGB"), dtype=int).mean(axis=(0, 1))
 
 
 def test_another_drawing_shows_its_own_materials(materials_page):
@@ -259,17 +322,3 @@ def test_another_drawing_shows_its_own_materials(materials_page):
     expect(swatches(materials_page)).to_have_count(1)
     expect(materials_page.locator(".swatch[aria-pressed=true]")).to_have_count(0)
     assert button(materials_page, "Merge into").is_disabled()
-
-
-def test_on_a_narrow_page_materials_are_corrected_above_the_tabs(browser, relight_url):
-    page = browser.new_page(viewport={"width": 420, "height": 800})
-    page.goto(relight_url)
-    page.wait_for_selector(".relight:not(.empty)", timeout=START_SECONDS * 1000)
-    page.keyboard.press("Escape")  # closes the sidebar
-    page.get_by_role("button", name="Materials", exact=True).click()
-    swatches(page).nth(1).click()
-    expect(swatches(page).nth(1)).to_have_attribute("aria-pressed", "true")
-    card = page.locator(".card.original").bounding_box()
-    tabs = page.get_by_role("tablist").bounding_box()
-    assert tabs["y"] >= card["y"] + card["height"]
-    page.close()

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import shutil
-import time
 
 import pandas as pd
 import pytest
 from playwright.sync_api import expect
 
-from tests.dashboards.conftest import PATIENCE_SECONDS, served, wait_until_all_have_left
+from tests.dashboards.conftest import served
+from tests.dashboards.driving import shown_pictures, until
 from toonkit.study.table import CSV_NAME, PROVENANCE_NAME
 from toonkit.viz.study_page.page import study_page as study_page_of
 
@@ -48,13 +48,16 @@ def pictures(page, trial):
     """The pictures of a trial, once all methods have answered."""
     sheet = page.locator(f'.sheet[aria-label="{trial}"]')
     sheet.locator("img[alt='normal map']").nth(6).wait_for()
-    return tuple(image.get_attribute("src") for image in sheet.locator(".tile img").all())
+    return tuple(shown_pictures(page))
 
 
-def test_the_page_opens_with_a_difference_and_a_trial_for_all_methods(study_page):
-    assert study_page.get_by_text("Normals, mean error: toonkit minus Todo & Yamaguchi").is_visible()
-    assert study_page.locator(".sheet .name").all_inner_texts()[0].startswith("Truth")
-    assert study_page.locator(".sheet .tile img").count() == 7 + 7 + 6 + 4 * 7  # six methods, and the truth
+def test_the_page_opens_with_a_difference_and_a_trial_for_all_methods(opened_study_page):
+    title = opened_study_page.get_by_text("Normals, mean error: toonkit minus Todo & Yamaguchi")
+    assert title.is_visible()
+    assert opened_study_page.locator(".sheet .name").all_inner_texts()[0].startswith("Truth")
+    assert (
+        opened_study_page.locator(".sheet .tile img").count() == 7 + 7 + 6 + 4 * 7
+    )  # six methods, and the truth
 
 
 def test_measure_and_methods_change_the_heat_map(study_page):
@@ -84,7 +87,7 @@ def test_buttons_select_telling_trials_and_a_color_map_can_be_chosen(study_page)
     titles = [title.inner_text()]
     for name in ("Best", "Worst", "Typical"):
         study_page.get_by_role("button", name=name).click()
-        expect(title).not_to_have_text(titles[-1], timeout=PATIENCE_SECONDS * 1000)
+        expect(title).not_to_have_text(titles[-1])
         titles.append(title.inner_text())
         pictures(study_page, titles[-1].lower())
     assert titles[0] == titles[-1]  # the page opens with the typical one
@@ -97,22 +100,8 @@ def test_the_other_light_track_is_examined_with_estimated_lights(study_page):
     trial = study_page.locator(".sheet").get_attribute("aria-label")
     before = pictures(study_page, trial)
     choose(study_page, "Light", "estimated from the picture")
-    sheet = study_page.locator(f'.sheet[aria-label="{trial}"]')
-    end = time.monotonic() + 60
-    while tuple(image.get_attribute("src") for image in sheet.locator(".tile img").all()) == before:
-        assert time.monotonic() < end
-        study_page.wait_for_timeout(200)
-
-
-def test_a_study_page_is_freed_once_its_visitor_has_left(browser, study_url):
-    for _ in range(3):
-        page = browser.new_page()
-        page.goto(study_url)
-        page.wait_for_selector(".bk-Figure", timeout=60_000)
-        page.close()
-    counts = wait_until_all_have_left(study_url)["counts"]
-    assert "ServerSession" not in counts
-    assert counts.get("Page", 0) <= 1  # Panel may keep the first page of a process
+    assert until(study_page, lambda: tuple(shown_pictures(study_page)) != before)
+    assert study_page.locator(".sheet").get_attribute("aria-label") == trial
 
 
 SCRIPT = "<img src=x onerror='window.injected=true'>"

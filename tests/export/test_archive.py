@@ -219,7 +219,10 @@ def _changed(path, **changes):
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
-        ({"format_version": FORMAT_VERSION + 1}, f"must be of version {FORMAT_VERSION} .*of version 4"),
+        (
+            {"format_version": FORMAT_VERSION + 1},
+            f"must be of version {FORMAT_VERSION} .*of version {FORMAT_VERSION + 1}",
+        ),
         ({"format_version": np.array([1, 1])}, "must be of version"),
         ({"format_version": "1; text"}, "must be of version"),
         ({"format_version": None}, "must be an archive of an analysis; got .* which holds"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict
 from io import BytesIO
 
 import numpy as np
@@ -11,9 +12,10 @@ import pytest
 from PIL import Image
 
 import toonkit
-from toonkit import ToonkitError, relight
+from toonkit import ToneRamp, ToonkitError, relight
 from toonkit.model.normals import encode_normal_map
 from toonkit.viz.relight_page.analyses import SAMPLES
+from toonkit.viz.relight_page.corrections import MARKS
 from toonkit.viz.relight_page.state import RelightState
 
 
@@ -237,6 +239,113 @@ def test_a_number_is_kept_where_another_material_is_gone(motley):
     assert set(np.unique(motley.labels)) == {-1, 0, 2}
     run(motley.merge(2, 0))
     assert motley.analysis.materials.count == 1
+
+
+def test_an_edited_ramp_is_in_what_is_exported_without_another_analysis(motley, monkeypatch, tmp_path):
+    monkeypatch.setattr(toonkit, "analyze", lambda *_, **__: pytest.fail("analyzed anew"))
+    ramp = ToneRamp(["#104010", "#40a040"], [0.2])
+    before = motley.relit_png().getvalue()
+    run(motley.recolor(0, asdict(ramp)))
+    path = tmp_path / "analysis.npz"
+    path.write_bytes(motley.analysis_file().getvalue())
+    found = toonkit.load_analysis(path).materials.color_maps[0]
+    assert np.array_equal(found.colors, ramp.color_map().colors)
+    assert motley.relit_png().getvalue() != before
+    run(motley.undo())
+    assert motley.relit_png().getvalue() == before
+    run(motley.redo())
+    assert motley.ramps == {0: ramp}
+
+
+def test_an_edited_ramp_stays_with_its_material_when_others_are_merged(motley):
+    ramp = ToneRamp(["#104010", "#40a040"], [0.2])
+    run(motley.recolor(2, asdict(ramp)))
+    run(motley.merge(1, 0))
+    assert motley.numbers == [0, 2]
+    assert np.array_equal(motley.recolored.materials.color_maps[1].colors, ramp.color_map().colors)
+
+
+def test_what_is_marked_as_ink_is_ink_in_the_analysis_and_its_material_gone(motley):
+    badge = motley.labels == 2
+    row, column = np.argwhere(badge)[len(np.argwhere(badge)) // 2]
+    run(motley.fill([column + 0.5, row + 0.5], MARKS["ink"]))
+    assert motley.numbers == [0, 1]
+    assert motley.analysis.materials.count == 2
+    assert (motley.analysis.drawing.ink_coverage[badge] > 0).mean() > 0.9
+    run(motley.undo())
+    assert motley.numbers == [0, 1, 2]
+
+
+def test_a_split_material_is_analyzed_as_two(motley):
+    height, width = motley.labels.shape
+    run(motley.split([[0, 0], [width, 0], [width, height / 2], [0, height / 2]], 0))
+    assert motley.numbers == [0, 1, 2, 3]
+    assert motley.analysis.materials.count == 4
+
+
+def later(monkeypatch):
+    """Let more time pass than one drag takes."""
+    monkeypatch.setattr("toonkit.viz.relight_page.state.STEP_SECONDS", 0.0)
+
+
+def test_the_light_and_corrections_are_undone_in_the_order_they_were_made_in(motley, monkeypatch):
+    later(monkeypatch)
+    first = motley.new_light
+    motley.new_light = [10.0, 20.0]
+    run(motley.merge(2, 0))
+    motley.param.update(ambient=0.5)
+    run(motley.undo())
+    assert (motley.ambient, motley.numbers) == (0.0, [0, 1])
+    run(motley.undo())
+    assert (motley.new_light, motley.numbers) == ([10.0, 20.0], [0, 1, 2])
+    run(motley.undo())
+    assert motley.new_light == first
+    assert not motley.can_undo
+    for _ in range(3):
+        run(motley.redo())
+    assert (motley.new_light, motley.numbers, motley.ambient) == ([10.0, 20.0], [0, 1], 0.5)
+    assert not motley.can_redo
+
+
+def test_a_drag_is_undone_as_a_whole(motley):
+    first = motley.new_light
+    for azimuth in range(10, 60, 5):
+        motley.new_light = [float(azimuth), 20.0]
+    run(motley.undo())
+    assert motley.new_light == first
+    run(motley.redo())
+    assert motley.new_light == [55.0, 20.0]
+
+
+def test_another_method_and_original_light_are_undone_with_their_analysis(motley, monkeypatch):
+    later(monkeypatch)
+    light = motley.original_light
+    motley.original_light = [20.0, 40.0]
+    run(motley.analyze())
+    motley.method = "lambert"
+    run(motley.analyze())
+    run(motley.undo())
+    assert (motley.method, motley.analysis.method) == ("lumo", "lumo")
+    run(motley.undo())
+    assert motley.original_light == light
+    np.testing.assert_allclose(toonkit.light_angles(motley.analysis.light), light, atol=1e-2)
+
+
+def test_a_method_that_fails_leaves_nothing_to_undo(motley, monkeypatch):
+    later(monkeypatch)
+    monkeypatch.setattr(toonkit, "analyze", lambda *_, **__: 1 / 0)
+    motley.method = "lambert"
+    with pytest.raises(ZeroDivisionError):
+        run(motley.analyze())
+    assert motley.method == "lumo"
+    assert not motley.can_undo
+
+
+def test_reset_leaves_the_light_where_it_is(motley):
+    run(motley.merge(2, 0))
+    motley.new_light = [10.0, 20.0]
+    run(motley.reset_materials())
+    assert (motley.new_light, motley.numbers) == ([10.0, 20.0], [0, 1, 2])
 
 
 def test_a_selected_material_is_known_by_its_place_in_the_analysis(motley):

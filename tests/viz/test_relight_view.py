@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import socket
+from dataclasses import asdict
 
 import numpy as np
 import panel as pn
 import pytest
 
-from toonkit import light_direction, relight
+from toonkit import ToneRamp, light_direction, relight
 from toonkit.model.luminance import color_of_hex
 from toonkit.viz.relight_page.view import RelightView
 
@@ -23,6 +24,11 @@ WebGL2RenderingContext.prototype.drawArrays = function (...call) {
   window.drawn = {width, height, pixels: Array.from(pixels), count: (window.drawn?.count ?? 0) + 1};
 }
 """
+RECOLOR = """ramps => {
+  for (const model of Bokeh.documents[0]._all_models.values()) {
+    if (model.data?.attributes && "edited_ramps" in model.data.attributes) { model.data.setv({edited_ramps: ramps}) }
+  }
+}"""
 SET = """([light, detail, flat, color, ambient]) => {
   for (const model of Bokeh.documents[0]._all_models.values()) {
     if (model.data?.attributes && "keep_detail" in model.data.attributes) {
@@ -133,6 +139,31 @@ def test_flat_materials_answer_to_the_light_as_far_as_they_are_asked_to(shader, 
     assert (other != wanted).any() == answering
 
 
+RAMPS = {
+    "tones": ToneRamp(["#203060", "#5070b0", "#90c0f0"], [0.0, 0.55], [0.2, 0.01]),
+    "stays flat": ToneRamp(["#203060", "#90c0f0"], [0.3], stays_flat=True),
+}
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("ramp", RAMPS.values(), ids=RAMPS)
+@pytest.mark.parametrize("keep_detail", [True, False])
+@pytest.mark.parametrize(
+    ("angles", "ambient"), [((130.0, 45.0), 0.0), ((20.0, 30.0), 0.0), ((-60.0, 5.0), 0.3)]
+)
+def test_edited_ramps_are_painted_as_relight_paints_them(shader, ball, ramp, keep_detail, angles, ambient):
+    last = ball.materials.count - 1  # in the harlequin, a flat one
+    ramps = {0: ramp, last: ramp}
+    shader.evaluate(RECOLOR, {str(number): asdict(one) for number, one in ramps.items()})
+    shader.evaluate(SET, [list(angles), keep_detail, 1.0, "#ffcc88", ambient])
+    shader.wait_for_function("window.drawn.count > 0")
+    shader.wait_for_timeout(200)
+    options = {"light_color": color_of_hex("#ffcc88"), "ambient": ambient, "keep_detail": keep_detail}
+    wanted = relight(ball.recolored(ramps), light_direction(*angles), **options).to_rgba()
+    assert_shown(shader, wanted)
+    assert (wanted != relight(ball, light_direction(*angles), **options).to_rgba()).any()
+
+
 @pytest.mark.browser
 def test_under_its_own_light_the_drawing_is_unchanged(shader, ball):
     shader.evaluate(SET, [[130.0, 45.0], True])
@@ -147,6 +178,14 @@ def test_without_webgl_the_picture_is_painted_in_python(ball):
     first = view.fallback_picture
     assert first.startswith(b"\x89PNG")
     view.new_light = [-30.0, 20.0]
+    assert view.fallback_picture != first
+
+
+def test_without_webgl_python_paints_edited_ramps_too(ball):
+    view = RelightView(webgl=False)
+    view.show(ball)
+    first = view.fallback_picture
+    view.recolor({0: RAMPS["tones"]})
     assert view.fallback_picture != first
 
 

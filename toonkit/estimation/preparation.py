@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from toonkit._validation import BoolArray, FloatArray, as_labels, as_lines, of_type, refuse
+from toonkit._validation import BoolArray, FloatArray, as_labels, as_lines, as_marks, of_type, refuse
 from toonkit.estimation.inflation import inflate_islands
 from toonkit.estimation.islands import MOST, Island, find_islands, with_surroundings
 from toonkit.estimation.painted_tones import PaintedTones
@@ -37,10 +37,13 @@ MOST_PIXELS = 25_000_000
 TELLING, TELLING_SHARE = 4, 0.25
 """Islands from which the light is estimated, at most, and the least area of one relative to the largest."""
 
-WHATEVER_MATERIALS = (
-    "grid", "islands", "telling_islands", "frame", "is_pixel_art", "ink", "inked", "initial_normals"
+WHATEVER_IS_TOLD = (
+    "grid", "islands", "telling_islands", "frame", "is_pixel_art", "initial_normals"
 )  # fmt: skip
-"""Parts of a prepared drawing that do not depend on its materials."""
+"""Parts of a prepared drawing that depend on its picture alone."""
+
+WHATEVER_MATERIALS = ("ink", "inked")
+"""Parts that do not depend on its materials or highlights."""
 
 
 class PreparedDrawing:
@@ -58,20 +61,20 @@ class PreparedDrawing:
         The drawing.
     materials : array_like of int, shape (H, W), optional
         Its materials, if they are known: see `prepare`.
-    ink : array_like of bool, shape (H, W), optional
-        Its lines, if they are known: see `prepare`.
+    ink, highlights : array_like of bool, shape (H, W), optional
+        Its lines and its highlights, if they are known: see `prepare`.
     views : int, optional
         How often it shows the object side by side. Lines are as wide as in one view, and all views have the same materials.
 
     Attributes
     ----------
-    given_ink : ndarray of bool, shape (H, W), or None
-        The lines that were given, False outside the mask.
+    given_ink, given_highlights : ndarray of bool, shape (H, W), or None
+        The lines and the highlights that were given, False outside the mask.
 
     Raises
     ------
     ToonkitError
-        If the object has more than `MOST_PIXELS` pixels, or the materials or the ink are none.
+        If the object has more than `MOST_PIXELS` pixels, or the materials, the ink or the highlights are none.
     """
 
     def __init__(
@@ -80,6 +83,7 @@ class PreparedDrawing:
         materials: ArrayLike | None = None,
         *,
         ink: ArrayLike | None = None,
+        highlights: ArrayLike | None = None,
         views: int = 1,
     ) -> None:
         pixels = int(np.count_nonzero(image.mask))
@@ -94,20 +98,27 @@ class PreparedDrawing:
         self.box = bounding_box(image.mask)
         self._given_labels = None if materials is None else as_labels("materials", materials, image.mask)
         self.given_ink = None if ink is None else as_lines("ink", ink, image.mask)
+        self.given_highlights = None if highlights is None else as_marks("highlights", highlights, image.mask)
         self._poses: dict[tuple[Turn, ...], Pose] = {}
 
     def __repr__(self) -> str:
         return f"PreparedDrawing({describe_object(self.mask)})"
 
-    def with_ink(self, ink: ArrayLike, materials: ArrayLike | None = None) -> PreparedDrawing:
-        """Return the drawing with other ink, and other materials if they are given, as `prepare` takes them."""
-        labels = self._given_labels if materials is None else materials
-        return PreparedDrawing(self.image, labels, ink=ink, views=self.views)
-
-    def with_materials(self, materials: ArrayLike) -> PreparedDrawing:
-        """Return the drawing with other materials, as `prepare` takes them; both share all that is independent of these."""
-        other = PreparedDrawing(self.image, materials, ink=self.given_ink, views=self.views)
-        for name in WHATEVER_MATERIALS:
+    def told(
+        self,
+        materials: ArrayLike | None = None,
+        ink: ArrayLike | None = None,
+        highlights: ArrayLike | None = None,
+    ) -> PreparedDrawing:
+        """Return the drawing with other materials, ink or highlights; both share all that is independent of these."""
+        other = PreparedDrawing(
+            self.image,
+            self._given_labels if materials is None else materials,
+            ink=self.given_ink if ink is None else ink,
+            highlights=self.given_highlights if highlights is None else highlights,
+            views=self.views,
+        )
+        for name in (*WHATEVER_IS_TOLD, *(WHATEVER_MATERIALS if ink is None else ())):
             if name in self.__dict__:
                 other.__dict__[name] = self.__dict__[name]
         return other
@@ -273,10 +284,14 @@ class PreparedDrawing:
 
     @cached_property
     def _found(self) -> FoundMaterials:
-        labels = None
+        labels = highlights = None
         if self._given_labels is not None:
             labels = self.frame.cut(self._given_labels[self.box])
-        return label_materials(self.frame, self.ink.coverage, self.framed_normals, labels=labels)
+        if self.given_highlights is not None:
+            highlights = self.frame.cut(self.given_highlights[self.box])
+        return label_materials(
+            self.frame, self.ink.coverage, self.framed_normals, labels=labels, highlights=highlights
+        )
 
 
 def prepare(
@@ -284,6 +299,7 @@ def prepare(
     *,
     materials: ArrayLike | Materials | None = None,
     ink: ArrayLike | None = None,
+    highlights: ArrayLike | None = None,
 ) -> PreparedDrawing:
     """
     Prepare a drawing for analysis.
@@ -291,13 +307,16 @@ def prepare(
     Parameters
     ----------
     drawing : ToonImage or PreparedDrawing
-        The drawing. A prepared drawing is returned unchanged, unless materials or ink are given.
+        The drawing. A prepared drawing is returned unchanged, unless materials, ink or highlights are given.
     materials : array_like of int, shape (H, W), or Materials, optional
         Number of the material of each pixel, 0 and up, and -1 where that is left to toonkit; ignored outside the mask.
         Found if not given.
     ink : array_like of bool, shape (H, W), optional
         True where line art covers most of a pixel, False everywhere if there is none; ignored outside the mask. Found if not
         given.
+    highlights : array_like of bool, shape (H, W), optional
+        True where the paint shows a highlight, or a cast shadow: what lies on the paint and says nothing about the shape.
+        Found if not given.
 
     Returns
     -------
@@ -307,17 +326,17 @@ def prepare(
     Raises
     ------
     ToonkitError
-        If the drawing is of another type, its object has more than `MOST_PIXELS` pixels, the materials are not such
-        numbers, or the ink is not such a mask or covers all of the object.
+        If the drawing is of another type, its object has more than `MOST_PIXELS` pixels, the materials or the highlights are
+        not such arrays, or the ink is not such a mask or covers all of the object.
     """
     if isinstance(materials, Materials):
         materials = materials.labels
     if isinstance(drawing, PreparedDrawing):
-        if ink is not None:
-            return drawing.with_ink(ink, materials)
-        return drawing if materials is None else drawing.with_materials(materials)
+        if materials is None and ink is None and highlights is None:
+            return drawing
+        return drawing.told(materials, ink, highlights)
     of_type("image", drawing, ToonImage)
-    return PreparedDrawing(drawing, materials, ink=ink)
+    return PreparedDrawing(drawing, materials, ink=ink, highlights=highlights)
 
 
 def find_materials(image: ToonImage | PreparedDrawing) -> Materials:

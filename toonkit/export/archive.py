@@ -31,8 +31,11 @@ from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 from toonkit.numerics.report import SolverReport
 
-FORMAT_VERSION = 3
+FORMAT_VERSION = 4
 """Raised whenever an older toonkit could misread a newer archive."""
+
+PACKED_VERSION = 3
+"""The first version of archives with packed numbers."""
 
 UNPACKED_VERSION = 2
 """Archives of 64-bit numbers, which are still read."""
@@ -45,6 +48,12 @@ MOST_COLORS = 1 << 22
 
 MOST_ENERGIES, MOST_CHARACTERS = 1_000_000, 10_000
 """Energies in a report, and characters in a text, at most."""
+
+GIVEN = ("ink", "highlights")
+"""What somebody may have told of the drawing, as arrays of bools, one for each pixel of the object."""
+
+DRAWN = "drawn_"
+"""What the names of arrays begin with that describe the materials as drawn, where they are recolored."""
 
 MOST_NAMES = 8
 """How many arrays a message names."""
@@ -85,7 +94,10 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
         "color": pack_levels(image.pixels),
         "fringe": pack_levels(image.fringe_colors),
         "normals": pack_normals(analysis.normals.compact),
-        **_material_fields(analysis),
+        "material_labels": analysis.materials.labels[image.mask].astype(
+            np.min_scalar_type(-analysis.materials.count)
+        ),
+        **_material_fields(analysis.materials, ""),
         "light_confidence": np.array(np.nan if estimate is None else estimate.confidence),
         "report_iterations": np.array(report.iterations),
         "report_energies": np.asarray(report.energies),
@@ -94,8 +106,12 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
     }
     if analysis.drawing.views > 1:
         fields["views"] = np.array(analysis.drawing.views)
-    if analysis.drawing.given_ink is not None:
-        fields["ink"] = analysis.drawing.given_ink[image.mask]
+    for name in GIVEN:
+        given = getattr(analysis.drawing, f"given_{name}")
+        if given is not None:
+            fields[name] = given[image.mask]
+    if analysis.drawn_materials is not None:
+        fields |= _material_fields(analysis.drawn_materials, DRAWN)
     if not np.array_equal(initial, inflated):  # which follow from mask and alpha
         fields["initial_normals"] = pack_normals(initial)
     with (
@@ -154,7 +170,7 @@ def _version(arrays: Arrays, path: PathLike) -> int:
         version = int(arrays.read("format_version", "i"))
     except ToonkitError as error:
         raise refuse("path", rule, f"{path} ({error})") from error
-    if version not in (ONE_MATERIAL_VERSION, UNPACKED_VERSION, FORMAT_VERSION):
+    if version not in (ONE_MATERIAL_VERSION, UNPACKED_VERSION, PACKED_VERSION, FORMAT_VERSION):
         raise refuse("path", rule, f"{path} of version {version}")
     return version
 
@@ -165,7 +181,7 @@ def _assemble(arrays: Arrays, version: int) -> ToonAnalysis:
     pixels = int(mask.sum())
     if pixels > MOST_PIXELS:
         raise refuse("mask", f"must have at most {MOST_PIXELS:,} object pixels", f"{pixels:,}")
-    alpha = _soft_alpha(arrays, mask) if version == FORMAT_VERSION else arrays.read("alpha", "f", *mask.shape)
+    alpha = _soft_alpha(arrays, mask) if version >= PACKED_VERSION else arrays.read("alpha", "f", *mask.shape)
     touched = (alpha > 0) & ~mask
     image = ToonImage(
         _spread(_levels(arrays, "color", pixels, 3), mask),
@@ -173,26 +189,25 @@ def _assemble(arrays: Arrays, version: int) -> ToonAnalysis:
         alpha=alpha,
         fringe=_spread(_levels(arrays, "fringe", int(touched.sum()), 3), touched),
     )
-    materials = (
-        Materials.single(mask, _only_color_map(arrays))
-        if version == ONE_MATERIAL_VERSION
-        else _materials(arrays, mask)
-    )
+    drawn = None
+    if version == ONE_MATERIAL_VERSION:
+        materials = Materials.single(mask, _only_color_map(arrays))
+    else:
+        labels = _labels(arrays, mask)
+        materials = _materials(arrays, labels, "")
+        if f"{DRAWN}material_flat" in arrays.names:
+            drawn = _materials(arrays, labels, DRAWN)
     light = arrays.read("light", "f", 3)
     confidence = float(arrays.read("light_confidence", "f")) if "light_confidence" in arrays.names else np.nan
     method = str(arrays.read("method", "U", most=MOST_CHARACTERS))
     normals, report = _normals(arrays, "normals", mask, version), _report(arrays)
     initial = None
-    if version != FORMAT_VERSION or "initial_normals" in arrays.names:
+    if version < PACKED_VERSION or "initial_normals" in arrays.names:
         initial = _normals(arrays, "initial_normals", mask, version)
-    ink = None
-    if "ink" in arrays.names:
-        ink = np.zeros(mask.shape, np.bool_)
-        ink[mask] = arrays.read("ink", "b", pixels)
     views = int(arrays.read("views", "i")) if "views" in arrays.names else 1
     if not 1 <= views <= pixels:
         raise refuse("views", f"must be a number from 1 to {pixels:,}", views)
-    drawing = _drawing(PreparedDrawing(image, ink=ink, views=views), materials)
+    drawing = _drawing(PreparedDrawing(image, views=views, **_given(arrays, mask)), materials)
     return ToonAnalysis(
         image=image,
         method=method,
@@ -203,6 +218,7 @@ def _assemble(arrays: Arrays, version: int) -> ToonAnalysis:
         report=report,
         light_estimate=None if np.isnan(confidence) else LightEstimate(light, confidence),
         drawing=drawing,
+        drawn_materials=drawn,
     )
 
 
@@ -223,7 +239,7 @@ def _levels(arrays: Arrays, name: str, *shape: int) -> FloatArray:
 
 def _normals(arrays: Arrays, name: str, mask: BoolArray, version: int) -> NormalField:
     pixels = int(mask.sum())
-    if version != FORMAT_VERSION:
+    if version < PACKED_VERSION:
         return NormalField(_spread(arrays.read(name, "f", pixels, 3), mask), mask)
     packed = arrays.read(name, "u", pixels, 2)
     if packed.dtype != np.uint16:
@@ -246,6 +262,15 @@ def _report(arrays: Arrays) -> SolverReport:
     )
 
 
+def _given(arrays: Arrays, mask: BoolArray) -> dict[str, BoolArray]:
+    """Read the ink and the highlights that were given."""
+    given = {}
+    for name in set(GIVEN).intersection(arrays.names):
+        given[name] = np.zeros(mask.shape, np.bool_)
+        given[name][mask] = arrays.read(name, "b", int(mask.sum()))
+    return given
+
+
 def _drawing(drawing: PreparedDrawing, materials: Materials) -> PreparedDrawing:
     """Prepare a drawing again. Materials that toonkit finds are not given, or it would unmix what is beside ink anew."""
     if not np.array_equal(drawing.materials.labels, materials.labels):
@@ -257,10 +282,8 @@ def _drawing(drawing: PreparedDrawing, materials: Materials) -> PreparedDrawing:
     return drawing
 
 
-def _material_fields(analysis: ToonAnalysis) -> dict[str, NDArray[Any]]:
-    materials = analysis.materials
-    return {
-        "material_labels": materials.labels[analysis.image.mask].astype(np.min_scalar_type(-materials.count)),
+def _material_fields(materials: Materials, prefix: str) -> dict[str, NDArray[Any]]:
+    fields = {
         "material_flat": materials.flat,
         "material_tones": np.concatenate(materials.tones),
         "material_tone_counts": np.array([len(tones) for tones in materials.tones]),
@@ -268,6 +291,7 @@ def _material_fields(analysis: ToonAnalysis) -> dict[str, NDArray[Any]]:
         "color_map_counts": np.array([len(color_map.colors) for color_map in materials.color_maps]),
         "color_map_domains": np.array([color_map.domain for color_map in materials.color_maps]),
     }
+    return {prefix + name: values for name, values in fields.items()}
 
 
 def _only_color_map(arrays: Arrays) -> ColorMap:
@@ -275,18 +299,27 @@ def _only_color_map(arrays: Arrays) -> ColorMap:
     return ColorMap(arrays.read("color_map_colors", "f", None, 3, most=3 * MOST_COLORS), (low, high))
 
 
-def _materials(arrays: Arrays, mask: BoolArray) -> Materials:
-    pixels = int(mask.sum())
-    flat = arrays.read("material_flat", "b", None, most=pixels)
-    count = len(flat)
+def _labels(arrays: Arrays, mask: BoolArray) -> NDArray[np.intp]:
     labels = np.full(mask.shape, -1, np.intp)
-    labels[mask] = arrays.read("material_labels", "i", pixels)
+    labels[mask] = arrays.read("material_labels", "i", int(mask.sum()))
     if labels[mask].min() < 0:
         raise refuse("material_labels", "must be known on the object", "negative numbers")
+    return labels
+
+
+def _materials(arrays: Arrays, labels: NDArray[np.intp], prefix: str) -> Materials:
+    pixels = int((labels >= 0).sum())
+    flat = arrays.read(f"{prefix}material_flat", "b", None, most=pixels)
+    count = len(flat)
     most = max(MOST_COLORS, 4 * pixels)
-    tones = _split(arrays, "material_tones", arrays.read("material_tone_counts", "i", count), most)
-    colors = _split(arrays, "color_map_colors", arrays.read("color_map_counts", "i", count), most)
-    domains = arrays.read("color_map_domains", "f", count, 2).tolist()
+    tones, colors = (
+        _split(arrays, prefix + name, arrays.read(f"{prefix}{counts}", "i", count), most)
+        for name, counts in (
+            ("material_tones", "material_tone_counts"),
+            ("color_map_colors", "color_map_counts"),
+        )
+    )
+    domains = arrays.read(f"{prefix}color_map_domains", "f", count, 2).tolist()
     return Materials(
         labels,
         tuple(tones),

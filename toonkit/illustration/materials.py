@@ -70,6 +70,7 @@ def label_materials(
     normals: FloatArray,
     *,
     labels: Labels | None = None,
+    highlights: BoolArray | None = None,
 ) -> FoundMaterials:
     """
     Find the materials in a frame.
@@ -84,6 +85,8 @@ def label_materials(
         Initial normals of the silhouette.
     labels : ndarray of int, shape (h, w), optional
         Given materials, 0 and up; -1 where they are unknown.
+    highlights : ndarray of bool, shape (h, w), optional
+        Given highlights and cast shadows.
 
     Returns
     -------
@@ -97,6 +100,8 @@ def label_materials(
         told[frame.mask] = labels[frame.mask]
         lit = (lit & ~_mostly(lit, told)) | find_named_highlights(tones, told)
         known = np.where(_strays(tones, told), -1, _completed(told, known))
+    if highlights is not None:
+        lit = highlights & frame.mask & (coverage < PAINT)
     source = _everywhere(nearest_sources(known >= 0, frame.lab, frame.mask), frame.mask)
     own = np.arange(source.size, dtype=np.int32).reshape(source.shape)
     pure = zones.sources.ravel()[source]

@@ -65,8 +65,8 @@ class Palette:
     Attributes
     ----------
     ramps : tuple of ndarray, shape (k, 3)
-        For each material the colors it is painted with, sRGB as in the drawing, darkest first. That of a
-        flat material also has the color of the drawing that could best be its shadow, if there is one.
+        For each material the colors it is painted with, sRGB as in the drawing, darkest first; none for one that takes any.
+        That of a flat material also has the color of the drawing that could best be its shadow, if there is one.
     materials : Materials
         The materials, with color maps of flat ones that end in that shadow, or in none.
     """
@@ -82,6 +82,18 @@ class Palette:
     def stacked(self) -> tuple[FloatArray, NDArray[np.intp]]:
         """Return all ramps as one array (K, 3), and the place of the first color of each and of the end, (count + 1,)."""
         return np.concatenate(self.ramps), np.cumsum([0, *(len(ramp) for ramp in self.ramps)])
+
+    def without(self, which: BoolArray, materials: Materials) -> Palette:
+        """Return the palette without the ramps of some materials (count,), which are as in others instead."""
+        kept = self.materials
+        recolored = Materials(
+            kept.labels,
+            tuple(materials.tones[k] if out else kept.tones[k] for k, out in enumerate(which)),
+            np.where(which, materials.flat, kept.flat),
+            tuple(materials.color_maps[k] if out else kept.color_maps[k] for k, out in enumerate(which)),
+        )
+        ramps = (ramp[:0] if out else ramp for ramp, out in zip(self.ramps, which, strict=True))
+        return Palette(tuple(ramps), recolored)
 
 
 def is_pixel_art(image: ToonImage, *, views: int = 1) -> bool:
@@ -202,7 +214,7 @@ def nearest_in_ramps(
     Returns
     -------
     ndarray, shape (n, 3)
-        The nearest colors, sRGB; of equally near ones the darkest.
+        The nearest colors, sRGB; of equally near ones the darkest. Without a ramp, those that are wanted.
     """
     rounded = np.empty_like(wanted)
     _round(wanted, drawn, which, *palette.stacked(), own, rounded)
@@ -214,6 +226,9 @@ def _round(wanted, drawn, which, ramps, starts, own, rounded):  # type: ignore[n
     for pixel in range(len(which)):
         best = np.inf
         listed = False
+        if starts[which[pixel]] == starts[which[pixel] + 1]:
+            rounded[pixel] = wanted[pixel]
+            continue
         for k in range(starts[which[pixel]], starts[which[pixel] + 1]):
             listed |= (
                 abs(ramps[k, 0] - drawn[pixel, 0]) < SAME

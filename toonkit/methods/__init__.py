@@ -79,6 +79,7 @@ def analyze(
     method: str = "toonkit",
     materials: ArrayLike | Materials | None = None,
     ink: ArrayLike | None = None,
+    highlights: ArrayLike | None = None,
     previous: ToonAnalysis | None = None,
     progress: StepProgress | None = None,
 ) -> ToonAnalysis:
@@ -101,6 +102,9 @@ def analyze(
     ink : array_like of bool, shape (H, W), optional
         True where line art covers most of a pixel, False everywhere if there is none; ignored outside the mask. Found if not
         given.
+    highlights : array_like of bool, shape (H, W), optional
+        True where the paint shows a highlight, or a cast shadow: it says nothing about the shape, and fades as the light
+        moves. Found if not given.
     previous : ToonAnalysis, optional
         An analysis of the same mask under a nearby light. `toonkit` and `classical` start from it and answer sooner; one of
         the same picture passes on what was derived from it.
@@ -115,9 +119,9 @@ def analyze(
     Raises
     ------
     ToonkitError
-        If the method is unknown, the image is neither a `ToonImage` nor a file that can be read, the light, the materials
-        or the ink are refused, the previous analysis is of another mask, or the drawing shows nothing but lines and no
-        materials are given.
+        If the method is unknown, the image is neither a `ToonImage` nor a file that can be read, the light, the materials,
+        the ink or the highlights are refused, the previous analysis is of another mask, or the drawing shows nothing but
+        lines and no materials are given.
 
     Examples
     --------
@@ -143,10 +147,11 @@ def analyze(
         materials = layered.materials if materials is None else materials
         ink = layered.ink if ink is None else ink
     direction = None if light is None else direction_of("light", light)
-    if previous is not None and previous.image is image and materials is None and ink is None:
+    nothing_told = materials is None and ink is None and highlights is None
+    if previous is not None and previous.image is image and nothing_told:
         drawing = previous.drawing
     else:
-        drawing = prepare(image, materials=materials, ink=ink)
+        drawing = prepare(image, materials=materials, ink=ink, highlights=highlights)
         if previous is not None:
             same_mask("previous", previous.image.mask, drawing.mask, "the picture")
     if materials is None and drawing.ink.only_lines:

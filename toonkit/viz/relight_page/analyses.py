@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import toonkit
 from toonkit import ToonAnalysis, ToonImage
 from toonkit.estimation.preparation import PreparedDrawing
-from toonkit.viz.relight_page.corrections import Version
+from toonkit.viz.relight_page.corrections import LabelVersion
 from toonkit.viz.turns import TURNS, Progress
 
 KEPT_ANALYSES = 6
@@ -42,7 +42,7 @@ class Question:
     digest: str
     method: str
     angles: tuple[float, ...]
-    version: Version | None = None
+    version: LabelVersion | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,12 +56,16 @@ class Evidence:
         The picture, at best as it was prepared before.
     labels : ndarray of int, shape (H, W), optional
         Its corrected materials, if they differ from those of `previous`.
+    ink, highlights : ndarray of bool, shape (H, W), optional
+        Its corrected ink, highlights and cast shadows.
     previous : ToonAnalysis, optional
         An analysis of the same picture and materials to start from.
     """
 
     image: ToonImage | PreparedDrawing
     labels: NDArray[np.integer] | None = None
+    ink: NDArray[np.bool_] | None = None
+    highlights: NDArray[np.bool_] | None = None
     previous: ToonAnalysis | None = None
 
 
@@ -80,6 +84,8 @@ def answer(question: Question, evidence: Evidence, progress: Progress, kept: Kep
                 toonkit.light_direction(*question.angles) if question.angles else None,
                 method=question.method,
                 materials=evidence.labels,
+                ink=evidence.ink,
+                highlights=evidence.highlights,
                 previous=evidence.previous,
                 progress=limited,
             )

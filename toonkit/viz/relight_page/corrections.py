@@ -1,14 +1,17 @@
-"""Corrections of the materials that were found: merged, painted over, undone and done again. Knows no panel."""
+"""Corrections of the materials that were found: merged, painted over, recolored, undone and done again. Knows no panel."""
 
 from __future__ import annotations
 
 import zlib
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from toonkit._validation import BoolArray, as_array, is_number, refuse
+from toonkit._validation import refuse
+from toonkit.model.tone_ramp import ToneRamp
+from toonkit.viz.relight_page.regions import connected, loop, path_of, stroke
 
 MOST_MATERIALS = 4096
 """Materials at most, for their numbers to fit in 16 bits with room to spare."""
@@ -16,15 +19,39 @@ MOST_MATERIALS = 4096
 MOST_STEPS = 200
 """Corrections that can be undone."""
 
-WIDEST_BRUSH = 4096
-"""Pixels from the middle of a brush to its edge, at most."""
+MARKS = {
+    name: MOST_MATERIALS * (place + 1) for place, name in enumerate(("ink", "highlight", "shadow", "plain"))
+}
+"""What a pixel may be marked as beside its material: ink, a highlight, a cast shadow, or neither of these. Each number is
+added to that of the material."""
 
-LONGEST_STROKE = 20_000
-"""Points of a stroke at most: what a hand draws in minutes."""
+INK, HIGHLIGHT, SHADOW, PLAIN = (mark // MOST_MATERIALS for mark in MARKS.values())
 
+Look = tuple[tuple[str, Hashable], ...]
 Numbers = NDArray[np.int16]
-Version = bytes
+Marks = NDArray[np.bool_]
+LabelVersion = bytes
 """One state of the label map, compressed: a drawing of 512 by 512 pixels takes a few kilobytes."""
+
+
+@dataclass(frozen=True)
+class Version:
+    """
+    One state of the corrections.
+
+    Attributes
+    ----------
+    labels : bytes
+        The label map, compressed: number of the material, and mark, of each pixel.
+    ramps : tuple of (int, ToneRamp)
+        Materials whose ramps were edited, in rising order, with these.
+    look : tuple of (str, object)
+        Names and values of everything else that is undone with them, such as the light.
+    """
+
+    labels: LabelVersion
+    ramps: tuple[tuple[int, ToneRamp], ...] = ()
+    look: Look = ()
 
 
 class MaterialCorrections:
@@ -38,6 +65,8 @@ class MaterialCorrections:
     ----------
     found : ndarray of int, shape (H, W)
         The materials that were found, -1 outside the object.
+    ink, highlights : ndarray of bool, shape (H, W), optional
+        The ink and the highlights that were found; none by default.
 
     Raises
     ------
@@ -55,21 +84,70 @@ class MaterialCorrections:
     [[0, 1, 2]]
     """
 
-    def __init__(self, found: NDArray[np.integer]) -> None:
+    def __init__(
+        self, found: NDArray[np.integer], ink: Marks | None = None, highlights: Marks | None = None
+    ) -> None:
         self._shape = found.shape
-        self._versions = [_packed(found)]
+        self._ink, self._highlights = (
+            np.packbits(np.zeros(found.shape, np.bool_) if marks is None else marks)
+            for marks in (ink, highlights)
+        )
+        self._versions = [Version(_packed(found))]
         self._position = 0
 
     @property
-    def version(self) -> Version | None:
+    def labels_version(self) -> LabelVersion | None:
         """The label map as it is now, as something to compare and to come back to; None as it was found."""
-        packed = self._versions[self._position]
-        return None if packed == self._versions[0] else packed
+        packed = self._version.labels
+        return None if packed == self._versions[0].labels else packed
+
+    @property
+    def ramps(self) -> dict[int, ToneRamp]:
+        """The edited ramps, by the number of their material."""
+        return dict(self._version.ramps)
+
+    @property
+    def is_corrected(self) -> bool:
+        """Whether materials, marks or ramps are otherwise than they were found."""
+        return self._version != replace(self._versions[0], look=self.look)
+
+    @property
+    def look(self) -> Look:
+        """The look as it is now."""
+        return self._version.look
+
+    @property
+    def _version(self) -> Version:
+        return self._versions[self._position]
+
+    @property
+    def codes(self) -> Numbers:
+        """Number of each pixel's material plus its mark, see `MARKS`, as it is now; shape (H, W), -1 outside the object."""
+        return self.codes_of(self.labels_version)
 
     @property
     def labels(self) -> Numbers:
-        """Number of each pixel's material as it is now, shape (H, W), -1 outside the object."""
-        return self.labels_of(self.version)
+        """Number of each pixel's material as it is now, shape (H, W), -1 where an analysis has to find it."""
+        return materials_of(self.codes)
+
+    @property
+    def ink(self) -> Marks | None:
+        """Where the ink is, shape (H, W); None as it was found."""
+        mark = self.codes // MOST_MATERIALS
+        if not np.isin(mark, (INK, PLAIN)).any():
+            return None
+        ink: Marks = (self._unpacked(self._ink) & (mark <= 0)) | (mark == INK)
+        return ink
+
+    @property
+    def highlights(self) -> Marks | None:
+        """Where highlights and cast shadows are, shape (H, W); None as they were found."""
+        mark = self.codes // MOST_MATERIALS
+        if not (mark > 0).any():
+            return None
+        kept = self._unpacked(self._highlights) & (mark <= 0)
+        highlights: Marks = kept | (mark == HIGHLIGHT) | (mark == SHADOW)
+        return highlights
 
     @property
     def can_undo(self) -> bool:
@@ -81,25 +159,25 @@ class MaterialCorrections:
         """Whether a correction was taken back."""
         return self._position + 1 < len(self._versions)
 
-    def labels_of(self, version: Version | None) -> Numbers:
-        """Return the label map of a version."""
-        return (
-            np.frombuffer(zlib.decompress(version or self._versions[0]), np.int16).reshape(self._shape).copy()
-        )
+    def codes_of(self, version: LabelVersion | None) -> Numbers:
+        """Return the materials and marks of a version."""
+        content = zlib.decompress(version or self._versions[0].labels)
+        return np.frombuffer(content, np.int16).reshape(self._shape).copy()
 
     def merge(self, material: int, into: int) -> None:
         """Give all pixels of a material to another one."""
-        labels = self.labels
-        numbers = numbers_in(labels)
+        codes = self.codes
+        numbers = _numbers_in_codes(codes)
         for name, number in (("material", material), ("into", into)):
             if number not in numbers:
                 raise refuse(name, "must be one of the materials", number)
-        labels[labels == material] = into
-        self._add(labels)
+        own = (codes >= 0) & (codes % MOST_MATERIALS == material)
+        codes[own] += np.int16(into - material)
+        self._add_codes(codes)
 
     def paint(self, path: Sequence[Sequence[float]], radius: float, material: int) -> None:
         """
-        Give what a round brush covers to a material.
+        Give what a round brush covers to a material, or mark it.
 
         Parameters
         ----------
@@ -108,26 +186,48 @@ class MaterialCorrections:
         radius : float
             From its middle to its edge, pixels.
         material : int
-            Number of a material, or the next one after all of them for a new one.
+            Number of a material, or the next one after all of them for a new one, or one of `MARKS`.
         """
-        labels = self.labels
-        points = as_array("path", path, (None, 2))
-        if not 1 <= len(points) <= LONGEST_STROKE:
-            raise refuse("path", f"must have 1 to {LONGEST_STROKE:,} points", len(points))
-        if not np.isfinite(points).all():
-            raise refuse("path", "must be places in the picture", "a point that is not finite")
-        if not is_number(radius) or not 0 < radius <= WIDEST_BRUSH:
-            raise refuse("radius", f"must be above 0, and at most {WIDEST_BRUSH} pixels", radius)
-        numbers = numbers_in(labels)
-        if material not in (*numbers, numbers[-1] + 1) or material >= MOST_MATERIALS:
-            raise refuse("material", "must be one of the materials, or the next number", material)
-        covered = _stroke(points, float(radius), self._shape) & (labels >= 0)
-        labels[covered] = material
-        self._add(labels)
+        codes = self.codes
+        self._give(codes, stroke(path_of(path), radius, self._shape), material)
+
+    def fill(self, place: Sequence[float], material: int) -> None:
+        """Give all that is connected to a place, column and row, and of the same material or mark, to another one."""
+        codes = self.codes
+        self._give(codes, connected(codes, place), material)
+
+    def split(self, path: Sequence[Sequence[float]], material: int) -> None:
+        """Make of what a closed path encloses of a material, or of all with -1, a new one."""
+        codes = self.codes
+        enclosed = loop(path_of(path), self._shape)
+        if material >= 0:
+            enclosed &= codes == material
+        self._give(codes, enclosed, max(_numbers_in_codes(codes)) + 1)
+
+    def recolor(self, material: int, ramp: ToneRamp | None) -> None:
+        """Give a material other tones, or, with None, those that were found."""
+        if material not in numbers_in(self.labels):
+            raise refuse("material", "must be one of the materials", material)
+        ramps = self.ramps
+        ramps.pop(material, None)
+        if ramp is not None:
+            ramps[material] = ramp
+        self._add(replace(self._version, ramps=tuple(sorted(ramps.items()))))
+
+    def change_look(self, look: Look, *, again: bool) -> None:
+        """Go on with another look; again, if it only continues the last change, so that both are undone at once."""
+        version = replace(self._version, look=look)
+        if not again:
+            self._add(version)
+        elif self._position > 0 and version == self._versions[self._position - 1]:
+            del self._versions[self._position]
+            self._position -= 1
+        else:
+            self._versions[self._position] = version
 
     def reset(self) -> None:
         """Return to the materials that were found; this can be undone, too."""
-        self._add(self.labels_of(None))
+        self._add(replace(self._versions[0], look=self.look))
 
     def undo(self) -> None:
         """Take the last correction back, if there is one."""
@@ -137,18 +237,32 @@ class MaterialCorrections:
         """Do again what was taken back last, if anything was."""
         self._position = min(self._position + 1, len(self._versions) - 1)
 
-    def restore(self, version: Version | None) -> None:
-        """Go back to an earlier version; what came after it can be done again."""
-        packed = version or self._versions[0]
-        places = [place for place, other in enumerate(self._versions) if other == packed]
+    def restore(self, labels: LabelVersion | None) -> None:
+        """Go back to an earlier label map; what came after it can be done again."""
+        packed = labels or self._versions[0].labels
+        places = [place for place, other in enumerate(self._versions) if other.labels == packed]
         if not places:  # corrected anew since
-            self._versions.insert(self._position, packed)
+            self._versions.insert(self._position, replace(self._version, labels=packed))
             return
         self._position = min(places, key=lambda place: abs(place - self._position))
 
-    def _add(self, labels: Numbers) -> None:
-        version = _packed(labels)
-        if version == self._versions[self._position]:
+    def _give(self, codes: Numbers, region: Marks, material: int) -> None:
+        """Give a region (H, W) to a material, or mark it."""
+        numbers, marked = _numbers_in_codes(codes), material in MARKS.values()
+        if not marked and (material not in (*numbers, numbers[-1] + 1) or material >= MOST_MATERIALS):
+            raise refuse("material", "must be one of the materials, the next number, or a mark", material)
+        region = region & (codes >= 0)
+        codes[region] = codes[region] % MOST_MATERIALS + material if marked else material
+        self._add_codes(codes)
+
+    def _unpacked(self, bits: NDArray[np.uint8]) -> Marks:
+        return np.unpackbits(bits, count=int(np.prod(self._shape))).reshape(self._shape).astype(np.bool_)
+
+    def _add_codes(self, codes: Numbers) -> None:
+        self._add(replace(self._version, labels=_packed(codes)))
+
+    def _add(self, version: Version) -> None:
+        if version == self._version:
             return
         self._versions[self._position + 1 :] = [version]
         if len(self._versions) > MOST_STEPS + 1:
@@ -162,25 +276,25 @@ def numbers_in(labels: NDArray[np.integer]) -> list[int]:
     return numbers
 
 
-def _packed(labels: NDArray[np.integer]) -> Version:
+def materials_of(codes: NDArray[np.integer]) -> Numbers:
+    """
+    Return the numbers of the materials of pixels with marks.
+
+    A material most of which is marked as ink, highlight or shadow was only taken for one: where it is marked, it is -1, for
+    an analysis to find what is beneath.
+    """
+    numbers = np.where(codes >= 0, codes % MOST_MATERIALS, -1).astype(np.int16)
+    hidden = (codes >= MARKS["ink"]) & (codes < MARKS["plain"])
+    if hidden.any():
+        area = np.bincount(numbers[numbers >= 0])
+        mostly = 2 * np.bincount(numbers[hidden], minlength=len(area)) > area
+        numbers[hidden & mostly[numbers]] = -1
+    return numbers
+
+
+def _numbers_in_codes(codes: Numbers) -> list[int]:
+    return numbers_in(np.where(codes >= 0, codes % MOST_MATERIALS, -1))
+
+
+def _packed(labels: NDArray[np.integer]) -> LabelVersion:
     return zlib.compress(labels.astype(np.int16).tobytes(), 1)
-
-
-def _stroke(points: NDArray[np.float64], radius: float, shape: tuple[int, ...]) -> BoolArray:
-    """Mark the pixels (H, W) whose middles are at most a radius from a path."""
-    covered = np.zeros(shape, np.bool_)
-    for (x, y), (to_x, to_y) in zip(points, points[[*range(1, len(points)), -1]], strict=True):
-        top, left = (max(int(min(pair) - radius), 0) for pair in ((y, to_y), (x, to_x)))
-        bottom, right = (max(int(max(pair) + radius) + 1, 0) for pair in ((y, to_y), (x, to_x)))
-        part = covered[top:bottom, left:right]
-        if part.size:
-            rows, columns = np.ogrid[: part.shape[0], : part.shape[1]]
-            part |= _near(columns + left + 0.5 - x, rows + top + 0.5 - y, to_x - x, to_y - y, radius)
-    return covered
-
-
-def _near(x: NDArray[np.float64], y: NDArray[np.float64], dx: float, dy: float, radius: float) -> BoolArray:
-    """Mark the places at most a radius from the way from (0, 0) to (dx, dy)."""
-    along = np.clip((x * dx + y * dy) / max(dx * dx + dy * dy, 1e-12), 0.0, 1.0)
-    near: BoolArray = (x - along * dx) ** 2 + (y - along * dy) ** 2 <= radius**2
-    return near

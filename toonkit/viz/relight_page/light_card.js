@@ -1,6 +1,19 @@
 // A card of the relight view: a picture, a ball and two sliders, all moving the same light.
 
 const BALL_PIXELS = 192
+const SEND_EVERY_MS = 100
+const ORBIT_DEGREES_PER_SECOND = 50
+const ORBIT_HIGHEST = 65  // degrees: a light straight ahead would circle without anything moving
+
+// Properties of a model that describe a picture, and how it is shown.
+const TEXTURES = ["color", "normals", "parts", "mixtures", "color_maps", "materials", "ramps", "picture_size", "analyzed_light"]
+const LOOKS = [
+  "keep_detail", "flat_shading", "detail_range", "detail_size", "highlight_range", "full_turn", "light_color", "ambient",
+]
+
+const KEY_MS = 400  // pause after an arrow key from which on the light is let go
+const PLAY = `<svg viewBox="0 0 24 24"><path d="M8 5.5v13l11-6.5z"/></svg>`
+const PAUSE = `<svg viewBox="0 0 24 24"><path d="M7 5h3.5v14H7zM13.5 5H17v14h-3.5z"/></svg>`
 const SUN = `<svg viewBox="0 0 24 24"><circle cx="12" cy="12" r="4.5"/><path d="M12 1.5v3M12 19.5v3M1.5 12h3M19.5 12h3
 M4.6 4.6l2.1 2.1M17.3 17.3l2.1 2.1M4.6 19.4l2.1-2.1M17.3 6.7l2.1-2.1"/></svg>`
 
@@ -25,10 +38,14 @@ function anglesUnder(x, y, previousAzimuth) {
   return [azimuth, Math.acos(Math.min(radius, 1)) * 180 / Math.PI]
 }
 
-// The color map that a ball shows, samples and domain: that of the largest material whose shading was painted.
-function shownMap(maps, materials) {
+// The color map that a ball shows, samples and domain: that of the largest material whose shading was painted, or its edited
+// ramp. `recolored` holds that of each material as u_recolored does, if it is known in this form.
+function shownMap(maps, materials, edited, recolored = []) {
   const count = materials.length / 8
   const row = Math.max([...Array(count).keys()].findIndex((number) => materials[8 * number + 3] === 0), 0)
+  if (edited[row]) { return [writeRamp(edited[row], RAMP_SAMPLES, new Float32Array(4 * RAMP_SAMPLES)), [-1, 1]] }
+  const wide = 4 * (RAMP_SAMPLES + RAMP_HEAD)
+  if (recolored[row * wide] > 0) { return [recolored.subarray(row * wide + 4 * RAMP_HEAD, (row + 1) * wide), [-1, 1]] }
   const start = row * maps.length / count
   return [maps.subarray(start, start + 4 * (materials[8 * row + 2] + 1)), materials.subarray(8 * row, 8 * row + 2)]
 }
@@ -103,7 +120,9 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
   const buttons = element(right, "div", "buttons")
   pictureImage.alt = ""
   pictureImage.draggable = false
-  ball.setAttribute("aria-label", `${title}: drag to move the light`)
+  Object.assign(ballBox, {tabIndex: 0, title: "Drag the light, or move it with the arrow keys"})
+  ballBox.setAttribute("role", "application")
+  ballBox.setAttribute("aria-label", `${title}: the light; arrow keys move it`)
 
   let half = 0
   function measure() { half = Math.min(stage.clientWidth, stage.clientHeight) / 2 }
@@ -121,6 +140,25 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
       output.textContent = text
     })
   }
+
+  // Arrow keys: a degree, or ten with Shift. The light is let go of after a pause, or when `settle` is called.
+  let keyed = null
+  function settle() {
+    if (keyed === null) { return }
+    clearTimeout(keyed)
+    keyed = null
+    onRelease()
+  }
+  ballBox.addEventListener("keydown", (event) => {
+    const way = {ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}[event.key]
+    if (!way || event.ctrlKey || event.metaKey || event.altKey) { return }
+    event.preventDefault()
+    const step = event.shiftKey ? 10 : 1
+    angles = [wrapped((angles[0] + step * way[0] + 540) % 360 - 180), clamp(angles[1] + step * way[1], 0, 90)]
+    onMove(angles)  // the next key may come before this is drawn
+    clearTimeout(keyed)
+    keyed = setTimeout(settle, KEY_MS)
+  })
 
   const dragging = () => card.classList.contains("dragging")
 
@@ -166,5 +204,82 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
     node.addEventListener("click", onClick)
     return node
   }
-  return {card, stage, picture, pictureImage, ball, measure, show, button}
+  return {card, stage, picture, pictureImage, ball, measure, show, settle, button}
+}
+
+// How far one light is from another, as a share of the full turn (radians), rising smoothly from 0 to 1.
+function turnShare(light, other, fullTurn) {
+  const [[a, b, c], [x, y, z]] = [light, other]
+  const angle = Math.atan2(Math.hypot(b * z - c * y, c * x - a * z, a * y - b * x), a * x + b * y + c * z)
+  const share = Math.min(angle / fullTurn, 1)
+  return share * share * (3 - 2 * share)
+}
+
+// Linear light of a color #rrggbb, or #rgb for short.
+function linearColor(text) {
+  const digits = text.replace("#", "")
+  const full = digits.length === 3 ? digits.replace(/./g, "$&$&") : digits
+  return [0, 2, 4].map((at) => {
+    const value = parseInt(full.slice(at, at + 2), 16) / 255
+    return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4
+  })
+}
+
+function bytes(value) {
+  if (!value) { return new Uint8Array(0) }
+  return value instanceof ArrayBuffer ? new Uint8Array(value) : new Uint8Array(value.buffer, value.byteOffset, value.byteLength)
+}
+
+const floats = (value) => new Float32Array(bytes(value).slice().buffer)
+const words = (value) => new Uint32Array(bytes(value).slice().buffer)
+
+// The textures of a model, or null until all have arrived.
+function texturesOf(model) {
+  const [[width, height], color, normals] = [model.picture_size, bytes(model.color), bytes(model.normals)]
+  const [parts, mixtures] = [words(model.parts), words(model.mixtures)]
+  const [maps, materials, ramps] = [model.color_maps, model.materials, model.ramps].map(floats)
+  const complete = width * height > 0 && color.length === 4 * width * height && [1, 2].includes(normals.length / color.length)
+    && (parts.length === 0 || parts.length === width * height) && maps.length > 0 && materials.length > 0
+    && ramps.length > 0 && ramps.length % (materials.length / 2) === 0
+  return complete ? {width, height, color, normals, parts, mixtures, maps, materials, ramps} : null
+}
+
+// What the shader needs to know beside the textures.
+function uniforms(model, light) {
+  // The picture's details belong to the light it was analyzed under, not to one being dragged or on its way.
+  const [analyzed, current] = [direction(model.analyzed_light), direction(light)]
+  const turned = model.keep_detail ? turnShare(analyzed, current, model.full_turn) : 1
+  return {
+    original: analyzed, light: current, flat: turned * model.flat_shading,
+    detail: model.keep_detail, range: model.detail_range, size: model.detail_size, highlight: model.highlight_range,
+    lightColor: linearColor(model.light_color), ambient: model.ambient,
+  }
+}
+
+// A button that lets a light circle until it is stopped.
+function orbit(card, current, move, stopped) {
+  let on = false
+  const show = () => { play.innerHTML = on ? `${PAUSE}Stop` : `${PLAY}Orbit` }
+  const play = card.button("", "Let the light circle", () => { if (on) { stop() } else { start() } })
+  function stop() {
+    if (!on) { return }
+    on = false
+    show()
+    stopped()
+  }
+  function start() {
+    on = true
+    show()
+    let before = performance.now()
+    const turn = (now) => {
+      if (!on || !card.card.isConnected) { on = false; return }
+      const azimuth = current()[0] + (now - before) / 1000 * ORBIT_DEGREES_PER_SECOND
+      before = now
+      move([wrapped(azimuth), Math.min(current()[1], ORBIT_HIGHEST)])
+      requestAnimationFrame(turn)
+    }
+    requestAnimationFrame(turn)
+  }
+  show()
+  return {stop, get on() { return on }}
 }

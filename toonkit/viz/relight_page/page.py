@@ -71,12 +71,14 @@ def stage(state: RelightState) -> RelightView:
     view.link(state, bidirectional=True, **{name: name for name in linked})
     view.on_msg(_answer(state))
 
-    async def arrive(step: str, _: int) -> None:
+    async def arrive(step: str, *_: object) -> None:
         if not step:
             await after_updates(lambda: view.param.update(idle=view.idle + (not state.step)))
 
-    pn.bind(arrive, state.param.step, state.param.settled, watch=True)
-    state.param.watch(lambda event: view.show(event.new, state.labels), "analysis")
+    told = (state.param[name] for name in ("step", "settled", "can_undo", "can_redo"))
+    pn.bind(arrive, *told, watch=True)
+    state.param.watch(lambda event: view.show(event.new, state.codes), "analysis")
+    state.param.watch(lambda event: view.recolor(event.new), "ramps")
     return view
 
 
@@ -95,6 +97,9 @@ def _answer(state: RelightState) -> Callable[[DataEvent], Awaitable[None]]:
         "cancel": cancel,
         "merge": state.merge,
         "paint": state.paint,
+        "fill": state.fill,
+        "split": state.split,
+        "recolor": state.recolor,
         "undo": state.undo,
         "redo": state.redo,
         "reset": state.reset_materials,
@@ -203,7 +208,7 @@ def _has_flat_materials(analysis: ToonAnalysis | None) -> bool:
 
 
 def downloads(state: RelightState) -> pn.Column:
-    """Return the two download buttons."""
+    """Return the download buttons."""
     buttons = [
         pmui.FileDownload(
             callback=make,
@@ -217,6 +222,7 @@ def downloads(state: RelightState) -> pn.Column:
         for label, filename, make in (
             ("Relit picture", "relit.png", state.relit_png),
             ("Normal map", "normal_map.png", state.normal_map_png),
+            ("Whole analysis", "analysis.npz", state.analysis_file),
         )
     ]
     return pn.Column(heading("Download"), *buttons, **WIDE)
@@ -327,6 +333,9 @@ def relight_page() -> pmui.Page:
         theme="dark",
         theme_config=THEME,
     )
+    # In the browser alone: a drawer that closes once the server has answered would be seen to. Panel keeps the arguments of
+    # a `jscallback` for ever, unlike the target of a link.
+    view.jslink(page, code={"narrow": "target.data.sidebar_open = !cb_obj.narrow"})
 
     async def first_picture() -> None:
         await state.open_sample(sample_names()[0])

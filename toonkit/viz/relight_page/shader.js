@@ -3,25 +3,32 @@
 // c' = M(L'·N) + w d,  d = c - M(L·N),  w = (1 - t²)⁴ for t² < 1,  t = (L'·N - L·N) (1 + |d|² / size²) / (2 range);
 // w = 0 without detail. A flat material of color b: c' = c + s (M(L'·N) - b), from b instead of c without detail. Mixed
 // pixels change by their shares of what their two sources do (toonkit/relighting.py). With a palette, c' is rounded to the
-// ramp of its material (toonkit/illustration/palette.py). Colored and ambient light come on top of it: c'' = e -
+// ramp of its material (toonkit/illustration/palette.py). A recolored material with the map M' is first painted with it under
+// the drawing's light: c := M'(L·N) + k d (toonkit/illustration/recoloring.py), then relit as any other. Colored and ambient light come on top of it: c'' = e -
 // (1 - color) max(e - shadow, 0), e = c' + ambient max(lit tone - c', 0), in linear light (toonkit/illustration/light_color.py).
 //
 // x points right, y up, z toward the viewer; row 0 of every array is the top.
 
 const MIXTURES_WIDE = 1024  // as in textures.py
 
+const RAMP_SAMPLES = 1024  // of the map of a recolored material, as in toonkit/model/tone_ramp.py
+const RAMP_HEAD = 2  // texels before them
+const TEXTURE = 0.15  // as in toonkit/illustration/recoloring.py
+
 const VERTEX = `#version 300 es
 void main() {  // one triangle that covers the canvas: no buffers
   gl_Position = vec4(vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2.0 - 1.0, 0.0, 1.0);
 }`
 
-const fragment = (several) => `#version 300 es
+const fragment = (several, recolors) => `#version 300 es
 #define SEVERAL ${several ? 1 : 0}
+#define RECOLORS ${recolors ? 1 : 0}
 precision highp float;
 precision highp int;
 precision highp sampler2D;
 precision highp usampler2D;
 uniform sampler2D u_color, u_normals, u_maps, u_materials, u_ramps;
+uniform sampler2D u_recolored;  // a row for each material: (recolored, stays flat), its color as a whole, and its map
 uniform usampler2D u_parts, u_mixtures;  // see textures.py
 uniform vec3 u_original, u_light;
 uniform float u_range, u_size, u_flat, u_highlight, u_ambient;
@@ -40,19 +47,45 @@ vec3 M(int material, vec4 about, float illumination) {
              texelFetch(u_maps, ivec2(min(start + 1, last), material), 0).rgb, t - float(start));
 }
 
+#if RECOLORS
+bool isRecolored(int material) { return texelFetch(u_recolored, ivec2(0, material), 0).x > 0.0; }
+
+vec3 recoloredMap(int material, float illumination) {
+  float t = clamp(0.5 * illumination + 0.5, 0.0, 1.0) * ${RAMP_SAMPLES - 1}.0;
+  int start = min(int(t), ${RAMP_SAMPLES - 2});
+  return mix(texelFetch(u_recolored, ivec2(start + ${RAMP_HEAD}, material), 0).rgb,
+             texelFetch(u_recolored, ivec2(start + ${RAMP_HEAD + 1}, material), 0).rgb, t - float(start));
+}
+#endif
+
 // A pixel of one material, of color and projected normal p.
 vec3 relit(vec3 color, vec2 p, int material) {
   float q = dot(p, p);
   vec3 N = vec3(2.0 * sqrt(1.0 - q) * p, 1.0 - 2.0 * q);
   vec4 about = texelFetch(u_materials, ivec2(0, material), 0);  // domain, last sample, flat
-  float after = dot(u_light, N);
-  vec3 changed = M(material, about, after);
-  if (about.w > 0.0) {
-    vec3 base = texelFetch(u_materials, ivec2(1, material), 0).rgb;
+  vec3 base = texelFetch(u_materials, ivec2(1, material), 0).rgb;
+  bool isFlat = about.w > 0.0;
+  float before = dot(u_original, N), after = dot(u_light, N);
+  vec3 drawn = M(material, about, before), changed = M(material, about, after);
+#if RECOLORS
+  if (isRecolored(material)) {
+    bool stays = texelFetch(u_recolored, ivec2(0, material), 0).y > 0.0;
+    vec3 whole = texelFetch(u_recolored, ivec2(1, material), 0).rgb;
+    vec3 now = stays ? drawn : recoloredMap(material, before);
+    vec3 detail = color - drawn;
+    float share = min(distance(now, drawn) / ${TEXTURE}, 1.0);
+    float fine = max(1.0 - dot(detail, detail) / ${TEXTURE * TEXTURE}, 0.0);
+    color = clamp(isFlat ? color + whole - base : now + (1.0 - share * (1.0 - fine)) * detail, 0.0, 1.0);
+    changed = stays ? whole : recoloredMap(material, after);
+    isFlat = isFlat || stays;
+    drawn = now;
+    base = whole;
+  }
+#endif
+  if (isFlat) {
     changed = (u_detail ? color : base) + u_flat * (changed - base);
   } else if (u_detail) {
-    float before = dot(u_original, N);
-    vec3 detail = color - M(material, about, before);
+    vec3 detail = color - drawn;
     float turn = (after - before) * (1.0 + dot(detail, detail) / (u_size * u_size)) / (2.0 * u_range);
     float left = max(1.0 - turn * turn, 0.0);
     changed += left * left * left * left * detail;
@@ -69,22 +102,37 @@ vec3 toSrgb(vec3 light) {
                    vec3(lessThanEqual(light, vec3(0.0031308)))), 0.0, 1.0);
 }
 
+// The shadow (0) or the lit tone (1) of a material, in linear light.
+vec3 endOf(int material, int end) {
+#if RECOLORS
+  if (isRecolored(material)) {
+    bool stays = texelFetch(u_recolored, ivec2(0, material), 0).y > 0.0;
+    int place = stays ? 1 : ${RAMP_HEAD} + end * ${RAMP_SAMPLES - 1};
+    return toLinear(texelFetch(u_recolored, ivec2(place, material), 0).rgb);
+  }
+#endif
+  return texelFetch(u_ramps, ivec2(end, material), 0).rgb;
+}
+
 vec3 filled(vec3 color, int material) {
   if (u_ambient == 0.0) { return color; }
   vec3 light = toLinear(color);
-  return toSrgb(light + u_ambient * max(texelFetch(u_ramps, ivec2(1, material), 0).rgb - light, 0.0));
+  return toSrgb(light + u_ambient * max(endOf(material, 1) - light, 0.0));
 }
 
 vec3 tinted(vec3 color, int material) {
   if (u_light_color == vec3(1.0)) { return color; }
   vec3 light = toLinear(color);
-  return toSrgb(light - (1.0 - u_light_color) * max(light - texelFetch(u_ramps, ivec2(0, material), 0).rgb, 0.0));
+  return toSrgb(light - (1.0 - u_light_color) * max(light - endOf(material, 0), 0.0));
 }
 
 // The nearest color of a material's ramp, if it has one; what is drawn in another color stays so, or counts as one of it.
 vec3 rounded(vec3 wanted, vec3 drawn, int material, bool own) {
   int count = int(texelFetch(u_materials, ivec2(1, material), 0).w);
   if (count == 0) { return wanted; }
+#if RECOLORS
+  if (isRecolored(material)) { return wanted; }
+#endif
   vec3 nearest = drawn;
   float least = own ? dot(wanted - drawn, wanted - drawn) : 1e9;
   bool listed = own;
@@ -158,14 +206,15 @@ void main() {
 function painter(canvas) {
   const gl = canvas.getContext("webgl2", {premultipliedAlpha: false, antialias: false, depth: false})
   if (!gl) { return null }
-  let program, at, several = null, contents = null
-  const textures = ["u_color", "u_normals", "u_maps", "u_materials", "u_parts", "u_mixtures", "u_ramps"]
+  let program, at, several = null, contents = null, recolored = null
+  const textures = ["u_color", "u_normals", "u_maps", "u_materials", "u_parts", "u_mixtures", "u_ramps", "u_recolored"]
 
-  // What is in one material without ink has a shader of its own, which takes two thirds of the time.
+  // What is in one material without ink has a shader of its own, which takes two thirds of the time; so has what is not
+  // recolored: renderers without a graphics card go through both sides of a branch.
   function link() {
     gl.deleteProgram(program)
     program = gl.createProgram()
-    for (const [type, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, fragment(several)]]) {
+    for (const [type, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, fragment(several, recolored)]]) {
       const shader = gl.createShader(type)
       gl.shaderSource(shader, source)
       gl.compileShader(shader)
@@ -225,6 +274,16 @@ function painter(canvas) {
     upload(6, gl.RGBA32F, ramps.length / 4 / count, count, gl.RGBA, gl.FLOAT, ramps)
   }
 
+  // rows: what u_recolored holds, or null if no material is recolored
+  function recolor(rows) {
+    const known = recolored !== null
+    recolored = rows
+    if (several === null || gl.isContextLost()) { return }
+    if (known !== (rows !== null)) { link() }
+    const wide = RAMP_SAMPLES + RAMP_HEAD
+    if (rows) { upload(7, gl.RGBA32F, wide, rows.length / 4 / wide, gl.RGBA, gl.FLOAT, rows) }
+  }
+
   function draw({original, light, detail, flat, range, size, highlight, lightColor, ambient}) {
     if (!contents || gl.isContextLost()) { return }
     gl.uniform3fv(at("u_original"), original)
@@ -241,13 +300,15 @@ function painter(canvas) {
 
   prepare()
   return {
-    load, draw,
+    load, draw, recolor,
     onRestored(redraw) {  // a graphics driver may take the context away, for instance after sleep
       canvas.addEventListener("webglcontextlost", (event) => event.preventDefault())
       canvas.addEventListener("webglcontextrestored", () => {
+        const rows = recolored
         several = null
         prepare()
         if (contents) { load(contents) }
+        recolor(rows)
         redraw()
       })
     },

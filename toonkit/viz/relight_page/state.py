@@ -6,10 +6,13 @@ import asyncio
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from io import BytesIO
-from typing import TypeVar
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, TypeVar
 
 import numpy as np
 import param
@@ -19,11 +22,21 @@ from PIL import Image
 import toonkit
 from toonkit import ToonAnalysis, ToonImage
 from toonkit._validation import collect_warnings, refuse
+from toonkit.estimation.preparation import PreparedDrawing
 from toonkit.model.luminance import color_of_hex
 from toonkit.model.normals import encode_normal_map
+from toonkit.model.tone_ramp import ToneRamp
 from toonkit.samples import sample_light, sample_path
 from toonkit.viz.relight_page.analyses import SAMPLES, Evidence, Kept, Question, answer, digest_of
-from toonkit.viz.relight_page.corrections import MaterialCorrections, Numbers, Version, numbers_in
+from toonkit.viz.relight_page.corrections import (
+    LabelVersion,
+    Look,
+    Marks,
+    MaterialCorrections,
+    Numbers,
+    materials_of,
+    numbers_in,
+)
 from toonkit.viz.turns import TURNS, Progress
 
 METHOD_DESCRIPTIONS = {
@@ -46,6 +59,15 @@ PROGRESS_SECONDS = 0.08
 """Pause between two progress reports: faster ones only fill the connection."""
 
 Result = TypeVar("Result")
+
+
+SETTINGS = (
+    "new_light", "original_light", "method", "keep_detail", "flat_shading", "light_color", "ambient"
+)  # fmt: skip
+"""What is undone and done again beside corrections of the materials."""
+
+STEP_SECONDS = 0.8
+"""Pause after which a change of the same setting is a step of its own: a drag is undone as a whole."""
 
 
 class CancelledError(Exception):
@@ -83,6 +105,7 @@ class RelightState(param.Parameterized):
     can_undo = param.Boolean(False, doc="Whether a correction of the materials can be undone.")
     can_redo = param.Boolean(False, doc="Whether one can be done again.")
     corrected = param.Boolean(False, doc="Whether the materials wished for are others than those found.")
+    ramps = param.Dict({}, doc="Edited ramps, a `ToneRamp` for each number of a material that has one.")
     settled = param.Integer(
         0, doc="How many corrections are done with: analyzed, refused, or overtaken by others."
     )
@@ -96,7 +119,10 @@ class RelightState(param.Parameterized):
         self._own: Kept = OrderedDict()
         self._corrections: OrderedDict[str, MaterialCorrections] = OrderedDict()
         self._digest = ""
-        self._version: Version | None = None  # of the materials on screen; None as found
+        self._version: LabelVersion | None = None  # of the materials on screen; None as found
+        self._under_way: tuple[object, ...] | None = None
+        self._recalling = False
+        self._changing: tuple[set[str], float] = set(), 0.0  # settings, and when they were last changed
 
     async def open_sample(self, name: str) -> None:
         """Open a drawing that ships with toonkit, under its own light."""
@@ -132,8 +158,15 @@ class RelightState(param.Parameterized):
 
     async def analyze(self) -> None:
         """Analyze the drawing on screen with the method, the original light and the materials now wished for."""
-        if self.analysis is not None and self._wish != self._fulfilled:
+        wish = () if self.analysis is None else self._wish
+        if self.analysis is None or wish in (self._fulfilled, self._under_way):
+            return
+        self._under_way = wish
+        try:
             await self._analyze(self.analysis.image, list(self.original_light), sample=self.sample)
+        finally:
+            if self._under_way is wish:
+                self._under_way = None
 
     @property
     def corrections(self) -> MaterialCorrections:
@@ -141,9 +174,14 @@ class RelightState(param.Parameterized):
         return self._corrections[self._digest]
 
     @property
+    def codes(self) -> Numbers:
+        """Number of each pixel's material on screen plus its mark, shape (H, W): in `corrections`, not in the analysis."""
+        return self.corrections.codes_of(self._version)
+
+    @property
     def labels(self) -> Numbers:
-        """Number of each pixel's material on screen, shape (H, W), -1 outside: in `corrections`, not in the analysis."""
-        return self.corrections.labels_of(self._version)
+        """Number of each pixel's material on screen, shape (H, W), -1 where the analysis has found it."""
+        return materials_of(self.codes)
 
     @property
     def numbers(self) -> list[int]:
@@ -169,6 +207,20 @@ class RelightState(param.Parameterized):
     async def paint(self, path: Sequence[Sequence[float]], radius: float, material: int) -> None:
         """Give what a brush covers to a material, and analyze the drawing with it: see `MaterialCorrections.paint`."""
         await self._correct(lambda corrections: corrections.paint(path, radius, material))
+
+    async def fill(self, place: Sequence[float], material: int) -> None:
+        """Give a connected region to a material, and analyze the drawing with it: see `MaterialCorrections.fill`."""
+        await self._correct(lambda corrections: corrections.fill(place, material))
+
+    async def split(self, path: Sequence[Sequence[float]], material: int) -> None:
+        """Make what a loop encloses a new material, and analyze the drawing with it: see `MaterialCorrections.split`."""
+        await self._correct(lambda corrections: corrections.split(path, material))
+
+    async def recolor(self, material: int, ramp: Mapping[str, Any] | None) -> None:
+        """Give a material the tones of a `ToneRamp` with these arguments; None gives it back those it is drawn with."""
+        await self._correct(
+            lambda corrections: corrections.recolor(material, None if ramp is None else ToneRamp(**ramp))
+        )
 
     async def undo(self) -> None:
         """Take the last correction back."""
@@ -199,11 +251,21 @@ class RelightState(param.Parameterized):
         with param.parameterized.discard_events(self):
             self.analysis = None
 
+    @property
+    def recolored(self) -> ToonAnalysis:
+        """The analysis on screen, with the edited ramps."""
+        analysis: ToonAnalysis = self.analysis
+        if not self.ramps:
+            return analysis
+        places = {number: place for place, number in enumerate(self.numbers)}
+        ramps = {places[number]: ramp for number, ramp in self.ramps.items() if number in places}
+        return analysis.recolored(ramps)
+
     def relit(self) -> ToonImage:
         """Return the picture on screen under the new light."""
         light = toonkit.light_direction(*self.new_light)
         return toonkit.relight(
-            self.analysis,
+            self.recolored,
             light,
             keep_detail=self.keep_detail,
             flat_shading=self.flat_shading,
@@ -221,9 +283,16 @@ class RelightState(param.Parameterized):
         coverage = np.where(normals.mask, 255, 0).astype(np.uint8)
         return _png_file(np.dstack([encode_normal_map(normals), coverage]))
 
+    def analysis_file(self) -> BytesIO:
+        """Return the whole analysis, edited ramps included, as a file that `toonkit.load_analysis` reads."""
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / "analysis.npz"
+            self.recolored.save(path)
+            return BytesIO(path.read_bytes())
+
     @property
     def _wish(self) -> tuple[object, ...]:
-        return self.method, self.original_light, self.corrections.version
+        return self.method, self.original_light, self.corrections.labels_version
 
     @property
     def _fulfilled(self) -> tuple[object, ...]:
@@ -234,6 +303,8 @@ class RelightState(param.Parameterized):
             return
         try:
             change(self.corrections)
+            self._changing = set(), 0.0
+            self._recall()
             self._show_corrections()
             if self._wish == self._fulfilled:
                 self.cancel()  # back at what is on screen, while something else was on its way
@@ -241,16 +312,63 @@ class RelightState(param.Parameterized):
         finally:
             self.settled += 1
 
+    @property
+    def _look(self) -> Look:
+        """The settings, as something to compare."""
+        values = ((name, getattr(self, name)) for name in SETTINGS)
+        return tuple(
+            (name, tuple(round(angle, 3) for angle in value) if isinstance(value, list) else value)
+            for name, value in values
+        )
+
+    @param.depends(*SETTINGS, watch=True)
+    def _remember(self) -> None:
+        """Make a step of what the visitor has changed."""
+        if self._recalling or self._digest not in self._corrections:
+            return
+        look = self._look
+        changed = {name for name, _ in set(look) - set(self.corrections.look)}
+        if not changed:
+            return
+        (before, then), now = self._changing, time.monotonic()
+        self.corrections.change_look(look, again=changed == before and now - then < STEP_SECONDS)
+        self._changing = changed, now
+        self._show_corrections()
+
+    def _recall(self) -> None:
+        """Return to the settings of the step that the corrections are at."""
+        recalled = dict(set(self.corrections.look) - set(self._look))
+        with self._silently():
+            self.param.update(
+                **{
+                    name: list(value) if isinstance(value, tuple) else value
+                    for name, value in recalled.items()
+                }
+            )
+
+    @contextmanager
+    def _silently(self) -> Iterator[None]:
+        """Change settings without making a step of it."""
+        self._recalling = True
+        try:
+            yield
+        finally:
+            self._recalling = False
+
     def _show_corrections(self) -> None:
         corrections = self.corrections
-        corrected = corrections.version is not None
-        self.param.update(can_undo=corrections.can_undo, can_redo=corrections.can_redo, corrected=corrected)
+        self.param.update(
+            can_undo=corrections.can_undo,
+            can_redo=corrections.can_redo,
+            corrected=corrections.is_corrected,
+            ramps=corrections.ramps,
+        )
 
     async def _analyze(self, image: ToonImage, angles: list[float] | None, *, sample: str) -> None:
         shown = self.analysis if self.analysis is not None and self.analysis.image is image else None
         digest = digest_of(image) if shown is None else self._digest
         corrections = self._corrections.get(digest)
-        version = None if corrections is None else corrections.version
+        version = None if corrections is None else corrections.labels_version
         question = Question(digest, self.method, tuple(angles or ()), version)
         kept = SAMPLES if sample and version is None else self._own
         analysis = kept.get(question)
@@ -261,7 +379,8 @@ class RelightState(param.Parameterized):
             if shown is not None and version == self._version:
                 evidence = Evidence(image, previous=shown)
             elif corrections is not None and version is not None:
-                evidence = Evidence(image if shown is None else shown.drawing, corrections.labels)
+                marks = corrections.ink, corrections.highlights
+                evidence = Evidence(_base(image, shown, marks), corrections.labels, *marks)
             analysis = await self._work(
                 "reading the drawing", lambda progress: answer(question, evidence, progress, kept), waits=True
             )
@@ -271,15 +390,25 @@ class RelightState(param.Parameterized):
     def _put_on_screen(self, question: Question, analysis: ToonAnalysis, sample: str) -> None:
         digest = question.digest
         if digest not in self._corrections:
-            self._corrections[digest] = MaterialCorrections(analysis.materials.labels)
+            drawing = analysis.drawing
+            highlit = np.zeros(drawing.shape, np.bool_)
+            highlit[drawing.places(drawing.mixed.pixels[drawing.mixed.highlit])] = True
+            self._corrections[digest] = MaterialCorrections(
+                analysis.materials.labels, drawing.ink_coverage >= 0.5, highlit
+            )
             while len(self._corrections) > KEPT_CORRECTIONS:
                 self._corrections.popitem(last=False)
-        selected = self.selected if digest == self._digest else -1
+        another = digest != self._digest
+        selected = -1 if another else self.selected
         self._digest, self._version = digest, question.version
         self._show_corrections()
         angles = _angles(analysis)
         if question in self._own:  # a light that was estimated is one that is given from now on
             self._own.setdefault(replace(question, angles=tuple(angles)), analysis)
+        if another:
+            with self._silently():
+                self.param.update(original_light=angles)
+            self.corrections.change_look(self._look, again=True)
         self.param.update(sample=sample, analysis=analysis, original_light=angles, selected=selected)
 
     async def _work(
@@ -339,8 +468,10 @@ class RelightState(param.Parameterized):
     def _restore(self) -> None:
         """Take back wishes that were not fulfilled."""
         if self.analysis is not None:
-            self.param.update(method=self.analysis.method, original_light=_angles(self.analysis))
+            with self._silently():
+                self.param.update(method=self.analysis.method, original_light=_angles(self.analysis))
             self.corrections.restore(self._version)
+            self.corrections.change_look(self._look, again=True)
             self._show_corrections()
 
 
@@ -366,3 +497,14 @@ def _png_file(pixels: NDArray[np.unsignedinteger]) -> BytesIO:
     Image.fromarray(pixels).save(file, "PNG")
     file.seek(0)
     return file
+
+
+def _base(
+    image: ToonImage, shown: ToonAnalysis | None, marks: tuple[Marks | None, Marks | None]
+) -> ToonImage | PreparedDrawing:
+    """Return the drawing on screen, to share what does not change, unless it was given marks that are taken back."""
+    if shown is None:
+        return image
+    given = shown.drawing.given_ink, shown.drawing.given_highlights
+    taken_back = any(old is not None and new is None for old, new in zip(given, marks, strict=True))
+    return image if taken_back else shown.drawing

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,8 @@ from toonkit.model.image import eight_bit, nearest_object_pixel
 from toonkit.model.light import light_angles
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
-from toonkit.relighting import Paint
+from toonkit.model.tone_ramp import SAMPLES
+from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, FULL_TURN, HIGHLIGHT_RANGE, Paint
 
 LONGEST_MAP = 1024
 """Samples of the largest color map sent: longer ones are resampled, since a texture's width is limited."""
@@ -97,8 +99,9 @@ def encode_textures(analysis: ToonAnalysis, *, keep_detail: bool = True) -> Reli
     Returns
     -------
     RelightTextures
-        Its picture, refined normals, materials and color maps.
+        Its picture, refined normals, materials and the color maps that it is drawn with.
     """
+    analysis = as_drawn(analysis)
     height, width = analysis.image.shape
     paint = Paint.of(analysis, None, keep_detail=keep_detail)
     maps = [_sent(color_map) for color_map in paint.materials.color_maps]
@@ -126,6 +129,41 @@ def encode_textures(analysis: ToonAnalysis, *, keep_detail: bool = True) -> Reli
         .tobytes(),
         analyzed_light=light_angles(analysis.light),
     )
+
+
+def encode_recolored(analysis: ToonAnalysis) -> bytes:
+    """
+    Encode the color maps of materials that have others than they are drawn with.
+
+    Parameters
+    ----------
+    analysis : ToonAnalysis
+        Any method's result.
+
+    Returns
+    -------
+    bytes
+        RGBA32F, one row for each material: whether it is recolored and, if so, whether it stays as drawn; its color as a
+        whole; then samples of its map over all illuminations. Empty if no material is recolored.
+    """
+    drawn, materials = analysis.drawn_materials, analysis.materials
+    if drawn is None:
+        return b""
+    rows = np.zeros((materials.count, SAMPLES + 2, 4))
+    for row, color_map in zip(rows, materials.color_maps, strict=True):
+        row[2:, :3] = color_map(np.linspace(-1.0, 1.0, SAMPLES))
+    rows[:, 0, 0] = analysis.is_recolored
+    rows[:, 0, 1] = [
+        flat and len(color_map.colors) == 1
+        for flat, color_map in zip(materials.flat, materials.color_maps, strict=True)
+    ]
+    rows[:, 1, :3] = materials.base_tones
+    return rows.astype("<f4").tobytes()
+
+
+def as_drawn(analysis: ToonAnalysis) -> ToonAnalysis:
+    """Return an analysis with the color maps that the picture is drawn with."""
+    return analysis if analysis.drawn_materials is None else analysis.recolored({})
 
 
 def _parts(analysis: ToonAnalysis, mixed: MixedPixels) -> tuple[Words, Words]:
@@ -190,3 +228,32 @@ def _project(normals: NormalField) -> FloatArray:
     projected = vectors[..., :2] / np.sqrt(2 * (1 + vectors[..., 2:]))
     encoded: FloatArray = np.where(normals.mask[..., None], projected, np.clip(way, -FARTHEST, FARTHEST))
     return encoded
+
+
+def describe_picture(analysis: ToonAnalysis, *, keep_detail: bool = True) -> dict[str, Any]:
+    """
+    Describe an analysis as the relight views take it.
+
+    Parameters
+    ----------
+    analysis : ToonAnalysis
+        Any method's result.
+    keep_detail : bool, optional
+        As in `encode_textures`.
+
+    Returns
+    -------
+    dict
+        Values by the names that both views have for them.
+    """
+    described = asdict(encode_textures(analysis, keep_detail=keep_detail))
+    size = [described.pop("width"), described.pop("height")]
+    return {
+        **described,
+        "analyzed_light": list(described["analyzed_light"]),
+        "picture_size": size,
+        "detail_range": DETAIL_RANGE,
+        "detail_size": DETAIL_SIZE,
+        "highlight_range": HIGHLIGHT_RANGE,
+        "full_turn": FULL_TURN,
+    }

@@ -7,9 +7,9 @@ A drag never waits for Python: the fragment shader in `shader.js` evaluates the 
 from __future__ import annotations
 
 import zlib
+from collections.abc import Mapping
 from dataclasses import asdict
 from io import BytesIO
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,18 +21,20 @@ from PIL import Image
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.light import light_direction
 from toonkit.model.luminance import color_of_hex
+from toonkit.model.tone_ramp import ToneRamp
 from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, FULL_TURN, HIGHLIGHT_RANGE, relight
-from toonkit.viz.relight_page.textures import encode_textures
+from toonkit.viz.relight_page.corrections import MARKS, materials_of, numbers_in
+from toonkit.viz.relight_page.scripts import EDITOR, joined
+from toonkit.viz.relight_page.textures import describe_picture, encode_textures
 
-MODULES = ("shader.js", "light_card.js", "label_map.js", "materials_editor.js", "view_style.js", "view.js")
-"""Parts of the one JavaScript module, in order: a module that imports others would have to be served from somewhere."""
+OUTSIDE, INKED = 0xFFFF, 0x8000
+"""Numbers in the label map of the page: of pixels outside the object, and what is added where ink covers the paint."""
+
+SHOWN_INK = 0.5
+"""Coverage from which on the page shows ink."""
 
 TEXTURES = ("color", "normals", "parts", "mixtures", "color_maps", "materials", "ramps")
 """Parameters that hold what `RelightTextures` describes."""
-
-
-def _joined(names: tuple[str, ...]) -> str:
-    return "\n".join(Path(__file__).with_name(name).read_text(encoding="utf-8") for name in names)
 
 
 class RelightView(pn.custom.JSComponent):
@@ -40,8 +42,8 @@ class RelightView(pn.custom.JSComponent):
     The picture as drawn and as relit, with light balls and sliders.
 
     Call `show` with each new analysis. `on_msg` delivers what its user asks for: `{"action": "estimate"}`, `cancel`,
-    `undo`, `redo`, `reset`, `merge` with `material` and `into`, and `paint` with `path`, `radius` and `material`, as
-    `MaterialCorrections` takes them. Each of the last five is answered by one more in `settled`.
+    `undo`, `redo`, `reset`, `merge` with `material` and `into`, `paint`, `fill`, `split` and `recolor`, with what
+    `RelightState` takes. Each of the last eight is answered by one more in `settled`.
 
     Examples
     --------
@@ -85,24 +87,34 @@ class RelightView(pn.custom.JSComponent):
     )
 
     webgl = param.Boolean(True, doc="Whether the browser has WebGL2; told by the browser.")
+    narrow = param.Boolean(False, doc="Whether the window is as narrow as a phone; told by the browser.")
     fallback_picture = param.Bytes(b"", doc="PNG of the relit picture, only without WebGL2.")
 
     labels = param.Bytes(
-        b"", doc="Number of each pixel's material, 0xffff outside the object: uint16, deflated."
+        b"",
+        doc="Number of each pixel's material plus mark, `INKED` where there is ink, `OUTSIDE` the object: uint16, deflated.",
     )
+    numbers = param.List(
+        [], item_type=int, doc="Numbers of the materials, in the order of their texture rows."
+    )
+    found_ramps = param.List(
+        [], item_type=dict, doc="The `ToneRamp` that describes each material as it is drawn."
+    )
+    edited_ramps = param.Dict({}, doc="That of each material that has another one, by its number as a text.")
     selected = param.Integer(-1, doc="Number of the chosen material; -1 for none.")
     can_undo = param.Boolean(False, doc="Whether a correction can be undone.")
     can_redo = param.Boolean(False, doc="Whether one can be done again.")
     corrected = param.Boolean(False, doc="Whether there is anything to reset.")
     settled = param.Integer(0, doc="How many of the corrections that were asked for are done with.")
 
-    _esm = _joined(MODULES)
+    _esm = joined(EDITOR)
 
     def __init__(self, **params: Any) -> None:
         self._analysis: ToonAnalysis | None = None
+        self._ramps: Mapping[int, ToneRamp] = {}
         super().__init__(**{"sizing_mode": "stretch_width", **params})
 
-    def show(self, analysis: ToonAnalysis, labels: NDArray[np.integer] | None = None) -> None:
+    def show(self, analysis: ToonAnalysis, codes: NDArray[np.integer] | None = None) -> None:
         """
         Put an analysis on screen; the new light stays where it is.
 
@@ -110,21 +122,34 @@ class RelightView(pn.custom.JSComponent):
         ----------
         analysis : ToonAnalysis
             Any method's result.
-        labels : ndarray of int, shape (H, W), optional
-            Other numbers for its materials, in the same order, -1 outside the object.
+        codes : ndarray of int, shape (H, W), optional
+            Other numbers for its materials, in the same order, with marks; -1 outside the object.
         """
         self._analysis = analysis
-        labels = analysis.materials.labels if labels is None else labels
-        textures = asdict(encode_textures(analysis, keep_detail=self.keep_detail))
-        size = [textures.pop("width"), textures.pop("height")]
-        angles = list(textures.pop("analyzed_light"))
+        codes = analysis.materials.labels if codes is None else codes
+        shown = np.where(codes < 0, OUTSIDE, codes).astype("<u2")
+        shown[(analysis.drawing.ink_coverage > SHOWN_INK) & (shown < MARKS["ink"])] |= INKED
+        picture = describe_picture(analysis, keep_detail=self.keep_detail)
         self.param.update(
-            **textures,
-            labels=zlib.compress(labels.astype("<i2").tobytes(), 1),  # a few kilobytes
-            picture_size=size,
-            analyzed_light=angles,
-            original_light=[round(angle, 3) for angle in angles],  # as RelightState has it
+            **picture,
+            numbers=numbers_in(materials_of(codes)),
+            found_ramps=[asdict(ToneRamp.of(color_map)) for color_map in analysis.materials.color_maps],
+            labels=zlib.compress(shown.tobytes(), 1),  # a few kilobytes
+            original_light=[round(angle, 3) for angle in picture["analyzed_light"]],  # as RelightState has it
         )
+        self._paint()
+
+    def recolor(self, ramps: Mapping[int, ToneRamp]) -> None:
+        """
+        Paint some materials in other tones.
+
+        Parameters
+        ----------
+        ramps : mapping of int to ToneRamp
+            Tones by the number of a material, of which there may be others than those on screen.
+        """
+        self._ramps = ramps
+        self.edited_ramps = {str(number): asdict(ramp) for number, ramp in ramps.items()}
         self._paint()
 
     def close(self) -> None:
@@ -146,8 +171,9 @@ class RelightView(pn.custom.JSComponent):
         analysis = self._analysis
         if self.webgl or analysis is None:
             return
+        places = {number: place for place, number in enumerate(self.numbers)}
         relit = relight(
-            analysis,
+            analysis.recolored({places[k]: ramp for k, ramp in self._ramps.items() if k in places}),
             light_direction(*self.new_light),
             keep_detail=self.keep_detail,
             flat_shading=self.flat_shading,

@@ -73,14 +73,26 @@ button svg { width: 15px; height: 15px; fill: currentColor; margin-left: -3px; }
 .modes { display: flex; margin-left: auto; padding: 2px; border-radius: 8px; gap: 2px; background: var(--line); }
 .modes button { border: 0; padding: 3px 10px; border-radius: 6px; font-size: 12px; }
 .modes button[aria-pressed=true] { background: var(--paper); box-shadow: 0 1px 3px rgba(0, 0, 0, .3); }
-.materials, .label-map, .ring { display: none; }
+.history { display: flex; gap: 6px; margin-left: auto; }
+.history button { padding: 4px; min-width: 28px; height: 28px; justify-content: center; }
+.history svg { fill: none; stroke: currentColor; stroke-width: 2; stroke-linecap: round; stroke-linejoin: round; margin: 0; }
+.shortcuts { border: 1px solid var(--line); border-radius: 12px; padding: 0; color: var(--ink); background: var(--paper);
+  box-shadow: 0 8px 40px rgba(0, 0, 0, .5); max-width: min(480px, calc(100vw - 32px)); }
+.shortcuts::backdrop { background: rgba(0, 0, 0, .45); }
+.shortcuts form { padding: 18px 22px; display: grid; gap: 12px; justify-items: start; }
+.shortcuts h2 { margin: 0; font-size: 16px; }
+.shortcuts dl { display: grid; grid-template-columns: auto 1fr; gap: 7px 16px; margin: 0; }
+.shortcuts dt { white-space: nowrap; } .shortcuts dd { margin: 0; }
+kbd { font: inherit; font-size: 12px; padding: 1px 6px; border-radius: 5px; border: 1px solid color-mix(in srgb, var(--ink) 30%, transparent); }
+.ball-box:focus-visible { outline: 2px solid var(--accent); outline-offset: 3px; }
+.materials, .label-map, .ring, .lasso { display: none; }
 .editing .materials { display: flex; }
-.editing .label-map { display: block; }
+.editing .label-map, .editing .lasso { display: block; }
 .editing .controls, .editing .sun { display: none; }
-.materials { flex-direction: column; gap: 10px; padding: 12px 16px; border-top: 1px solid var(--line); height: 141px; }
+.materials { flex-direction: column; gap: 10px; padding: 12px 16px; border-top: 1px solid var(--line); height: 262px; }
 .tools { display: flex; gap: 8px; align-items: center; }
 .tools button { padding: 4px 10px; min-height: 30px; }
-.tools .undo, .tools .redo { padding: 4px 6px; }
+.tools .brush, .tools .fill, .tools .split { padding: 4px 9px; }
 .tools svg { fill: none; stroke: currentColor; stroke-width: 2; stroke-linecap: round; stroke-linejoin: round; margin: 0; }
 .tools button[aria-pressed=true] { background: var(--accent); border-color: var(--accent); color: #1c1206; }
 button:disabled { opacity: .4; cursor: default; background: transparent; }
@@ -96,19 +108,50 @@ button:disabled { opacity: .4; cursor: default; background: transparent; }
 .swatch[aria-pressed=true] { box-shadow: 0 0 0 2px var(--paper), 0 0 0 4px var(--accent); }
 .swatch.new { border: 1.5px dashed color-mix(in srgb, var(--ink) 40%, transparent); justify-content: center; font-size: 18px; }
 .swatch.ghost { position: absolute; left: -28px; top: -15px; width: 56px; z-index: 3; pointer-events: none; box-shadow: 0 4px 14px rgba(0, 0, 0, .5); }
+.marks { display: flex; gap: 7px; flex-wrap: wrap; }
+.swatch.mark { display: inline-flex; align-items: center; gap: 6px; padding: 0 10px 0 8px; height: 26px; font-size: 12px;
+  border: 1px solid color-mix(in srgb, var(--ink) 26%, transparent); }
+.swatch.mark b { position: static; }
+.lasso { position: absolute; inset: 0; pointer-events: none; }
+.lasso svg { width: 100%; height: 100%; }
+.lasso polygon { fill: rgba(255, 255, 255, .15); stroke: #fff; stroke-width: 1.5; stroke-dasharray: 5 4; filter: drop-shadow(0 0 1px #000); }
+.editing .stage[data-tool=split], .editing .stage[data-tool=fill] { cursor: crosshair; }
+.swatches { flex: 1; min-height: 38px; }
+.ramp-editor { position: relative; display: grid; gap: 8px; padding-top: 10px; border-top: 1px solid var(--line); }
+.ramp-editor.none > :not(.no-ramp) { visibility: hidden; }
+.no-ramp { position: absolute; inset: 0; margin: 0; display: grid; place-items: center; color: var(--soft); visibility: hidden; }
+.ramp-editor.none .no-ramp { visibility: visible; }
+.strip { position: relative; height: 24px; margin: 0 8px; border-radius: 6px; box-shadow: inset 0 0 0 1px rgba(0, 0, 0, .28); touch-action: none; }
+.threshold { position: absolute; top: -3px; width: 12px; height: 30px; margin-left: -6px; padding: 0; border-radius: 4px; cursor: ew-resize;
+  background: #fff; border: 2px solid #55555c; box-shadow: 0 1px 3px rgba(0, 0, 0, .5); touch-action: none; }
+.threshold:hover { background: #fff; }
+.threshold.active { border-color: var(--accent); }
+.ramp-row { display: flex; align-items: center; gap: 6px 10px; flex-wrap: wrap; min-height: 28px; }
+.tones { display: flex; gap: 4px; }
+.tones input { width: 26px; height: 26px; padding: 0; border: 0; border-radius: 6px; background: none; cursor: pointer; overflow: hidden; }
+.tones input::-webkit-color-swatch-wrapper { padding: 0; }
+.tones input::-webkit-color-swatch { border: 1px solid rgba(0, 0, 0, .3); border-radius: 6px; }
+.ramp-row .add { width: 26px; height: 26px; padding: 0; justify-content: center; border-style: dashed; margin-left: -6px; }
+.softness { display: flex; align-items: center; gap: 8px; flex: 1 1 100px; max-width: 220px; color: var(--soft); }
+.stays { display: flex; align-items: center; gap: 6px; cursor: pointer; white-space: nowrap; }
+.stays input { accent-color: var(--accent); margin: 0; width: 15px; height: 15px; }
+.reset-ramp { padding: 4px; }
+.reset-ramp svg { fill: none; stroke: currentColor; stroke-width: 2; stroke-linecap: round; stroke-linejoin: round; margin: 0; }
 .label-map { position: absolute; pointer-events: none; }
 .editing .stage { cursor: pointer; }
 .editing .stage[data-tool=brush] { cursor: none; }
 .ring { position: absolute; left: 0; top: 0; border-radius: 50%; border: 1.5px solid #fff; pointer-events: none;
   box-shadow: 0 0 0 1px rgba(0, 0, 0, .7), inset 0 0 0 1px rgba(0, 0, 0, .5); }
 .editing .stage[data-tool=brush]:hover .ring { display: block; }
+.alone { grid-template-columns: minmax(0, 720px); justify-content: center; }
+.alone .stage { height: min(72vh, 620px); }
 @container (max-width: 600px) {
   .relight { grid-template-columns: minmax(0, 1fr); }
   .card.relit { order: -1; }
   .stage { height: min(84cqw, 420px); }
   .ball-box { width: 92px; height: 92px; }
   .materials { height: auto; }
-  .swatches { max-height: 198px; }
+  .swatches { flex: none; max-height: 198px; }
 }
 @container (min-width: 601px) and (max-width: 850px) {
   .card header p { display: none; }

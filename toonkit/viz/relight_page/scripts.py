@@ -1,0 +1,20 @@
+"""The JavaScript of the relight views: files put together to one module, which imports nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+_PAINTING = ("shader.js", "tone_ramp.js", "light_card.js")
+
+EDITOR = (
+    *_PAINTING, "label_map.js", "ramp_editor.js", "materials_editor.js", "shortcuts.js", "view_style.js", "view.js"
+)  # fmt: skip
+"""What the relight page needs, in order: a module that imports others would have to be served from somewhere."""
+
+VIEW = (*_PAINTING, "view_style.js", "light_view.js")
+"""What the relit picture with its light needs alone."""
+
+
+def joined(names: tuple[str, ...]) -> str:
+    """Return some of the files as one module."""
+    return "\n".join(Path(__file__).with_name(name).read_text(encoding="utf-8") for name in names)

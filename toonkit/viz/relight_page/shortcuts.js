@@ -1,0 +1,36 @@
+// Keys that work anywhere on the page, and the list of them.
+
+const SHORTCUTS = [
+  ["Ctrl Z", "Undo, the light included"], ["Ctrl Shift Z", "Redo"], ["?", "This list"],
+  ["Arrow keys", "On a ball: move the light by 1°, with Shift by 10°"], ["M", "Light or materials"],
+  ["B", "Brush"], ["F", "Fill a region"], ["S", "Split with a lasso"], ["[ ]", "Size of the brush"],
+  ["Esc", "Put the tool down, then the material"], ["Delete", "On a step of a ramp: remove it"],
+]
+
+// Whether a key is typed into something that needs it.
+function isTyped(event) {
+  const node = event.composedPath()[0]
+  return node.isContentEditable || node.tagName === "TEXTAREA" || (node.tagName === "INPUT" && !["range", "checkbox", "color"].includes(node.type))
+}
+
+// `actions` has a function for each key; those of letters are not called while Ctrl is down.
+function shortcuts(root, actions) {
+  const dialog = element(root, "dialog", "shortcuts", `<form method="dialog"><h2>Keyboard shortcuts</h2><dl>${
+    SHORTCUTS.map(([keys, words]) => `<dt>${keys.split(" ").map((key) => /keys/.test(keys) ? key : `<kbd>${key}</kbd>`).join(" ")}</dt><dd>${words}</dd>`).join("")
+  }</dl><button>Close</button></form>`)
+  dialog.setAttribute("aria-label", "Keyboard shortcuts")
+  dialog.addEventListener("click", (event) => { if (event.target === dialog) { dialog.close() } })
+  const show = () => { if (!dialog.open) { dialog.showModal() } }
+
+  function key(event) {
+    if (isTyped(event) || dialog.open || event.altKey) { return }
+    const letter = event.key.toLowerCase()
+    const control = event.ctrlKey || event.metaKey
+    const action = !control ? letter === "?" ? show : actions[letter]
+      : letter === "z" ? event.shiftKey ? actions.redo : actions.undo : letter === "y" ? actions.redo : undefined
+    if (!action || (!control && event.shiftKey && letter !== "?")) { return }
+    if (action() !== false) { event.preventDefault() }
+  }
+  document.addEventListener("keydown", key)
+  return {show, remove() { document.removeEventListener("keydown", key) }}
+}
