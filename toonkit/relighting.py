@@ -24,17 +24,17 @@ DETAIL_RANGE = 0.15
 """Change of illumination over which the painted detail hands over to the model: about half a tone of a four-tone ramp."""
 
 DETAIL_SIZE = 0.1
-"""Color difference, in sRGB, up to which what the model leaves unexplained is texture; a larger one is a misplaced edge."""
+"""Residuals below this sRGB difference are treated as texture, larger ones as misplaced band edges."""
 
 HIGHLIGHT_RANGE = 0.2
 """Change of illumination over which a highlight fades."""
 
 FULL_TURN = np.deg2rad(12.0)
-"""Turn of the light from which on flat materials show all of their derived shading."""
+"""Light rotation, in radians, beyond which flat materials show their full derived shading."""
 
 
 class RelightOptions(TypedDict, total=False):
-    """What functions that relight pass on to `relight`, which describes it."""
+    """Keyword arguments that other functions forward to `relight`; see there."""
 
     keep_detail: bool
     flat_shading: float
@@ -59,22 +59,22 @@ def relight(
     Parameters
     ----------
     analysis : ToonAnalysis
-        The picture taken apart.
+        Analysis of the picture.
     new_light : array_like, shape (3,) or (2,)
-        Direction from the surface to the new light, or its azimuth and elevation in degrees. It may stand behind the
-        picture: z < 0, or an elevation from -90 on.
+        Direction from the surface to the new light, or its azimuth and elevation in degrees. It may lie behind the
+        picture: z < 0, or an elevation between -90 and 0 degrees.
     keep_detail : bool, optional
-        True keeps what the model does not explain (band edges, brush texture) where the illumination hardly changes, so
-        that at the original light the input returns unchanged. False paints the model alone (Eq. 7).
+        True keeps what the model does not explain (band edges, brush texture) where the illumination barely changes, so
+        that relighting with the original light reproduces the input. False paints the model alone (Eq. 7).
     flat_shading : float, optional
-        How much materials that are painted in one tone answer to the light, 0 (they stay flat) to 1.
+        Strength of shading on flat materials, from 0 (unshaded) to 1.
     palette : bool, optional
-        True paints with the drawing's own colors only, each pixel with those of its material; False with any. By default
-        it is True for pixel art (see `toonkit.illustration.palette.is_pixel_art`), unless it is flat throughout or the model
-        is painted alone.
+        True paints with the drawing's own colors only, each pixel with those of its material. False allows any color. The
+        default is True for pixel art (see `toonkit.illustration.palette.is_pixel_art`), except if none of its
+        materials has more than one color or `keep_detail` is False.
     light_color : array_like, shape (3,), optional
-        Color of the new light, sRGB in [0, 1]; white by default. It tints what is lit, also at the light of the drawing.
-        Shadows and line art keep their colors.
+        Color of the new light, sRGB in [0, 1]; white by default. It tints lit areas even when `new_light` is the
+        drawing's own light. Shadows and line art keep their colors.
     ambient : float, optional
         How much light comes from all sides, 0 to 1: at 0 shadows are as the drawing paints them, at 1 there are none.
 
@@ -86,9 +86,9 @@ def relight(
     Raises
     ------
     ToonkitError
-        If the new light is zero or not finite, the analysis is none, `keep_detail` is neither True nor False, the flat
-        shading, the light's color or the ambient light leaves [0, 1], or a palette is asked for where a material has more
-        than 256 colors.
+        If the new light is zero or not finite, the analysis is not a `ToonAnalysis`, `keep_detail` or `palette` is not
+        a bool, the flat shading, the light's color or the ambient light lies outside [0, 1], or `palette` is True and a
+        material has more than 256 colors.
 
     Notes
     -----
@@ -97,11 +97,11 @@ def relight(
 
         w = (1 - ((I' - I) / 2r)²)⁴ within 2r, else 0,    r = 0.15 / (1 + ‖d‖² / 0.1²)
 
-    This is close to the bell exp(-((I' - I) / r)²), but has an end. A small detail is texture and stays until the light
-    has turned by about half a tone. A large detail is a band edge that the model places beside the painted one. It
-    disappears at the first turn of the light, because it would remain as a scratch where the edge was.
+    This approximates the Gaussian exp(-((I' - I) / r)²) but has compact support. A small detail is texture and stays until
+    the light has turned by about half a tone. A large detail is a band edge that the model places beside the painted one. It
+    disappears as soon as the light moves, because it would remain as a scratch where the edge was.
 
-    A flat material of color b becomes c' = c + s (M(I') - b). The factor s grows from 0 to `flat_shading` as the light
+    A flat material of color b becomes c' = c + g (M(I') - b). The factor g grows from 0 to `flat_shading` as the light
     turns by `FULL_TURN`, so that shadows come in gradually. Recolored materials (`ToonAnalysis.recolored`) are first
     painted with their new color maps under the drawing's light. Pixels that the object covers in part change as the nearest
     object pixel does. Line art stays as drawn. Where it covers a pixel in part, the rest of the pixel changes, and so
@@ -112,8 +112,8 @@ def relight(
     pixel is ink, a highlight or paint, never a mixture. Ink stays as drawn, and so do pixels in a color that the ramp
     does not have. A flat material changes only if the drawing has a color that could be its shadow.
 
-    Ambient light a and a light of color λ act in linear light, on each channel. With the first color of M as shadow s
-    and the last as lit tone t::
+    Ambient light a and a light of color λ are applied per channel in linear RGB; λ is the linear color of the
+    light. With the first color of M as shadow s and the last as lit tone t::
 
         c'' = e - (1 - λ) max(e - s, 0),    e = c' + a max(t - c', 0)
 
@@ -170,7 +170,7 @@ def relight(
 @dataclass(frozen=True, eq=False)
 class Paint:
     """
-    What a drawing is painted anew with.
+    Materials, mixed pixels and palette used to relight a drawing.
 
     Attributes
     ----------
@@ -179,7 +179,7 @@ class Paint:
     mixed : MixedPixels
         The pixels that show more than the paint of their own material.
     palette : Palette or None
-        The colors that it keeps to, if it does.
+        Colors that the result is limited to, or None.
     """
 
     materials: Materials
@@ -188,7 +188,7 @@ class Paint:
 
     @classmethod
     def of(cls, analysis: ToonAnalysis, palette: bool | None, *, keep_detail: bool) -> Paint:
-        """Take the paint of an analysis, for options as `relight` has them."""
+        """Build it from an analysis; the options are those of `relight`."""
         drawing, found = analysis.drawing, None
         if palette is not None:
             check_flag("palette", palette)
@@ -210,21 +210,22 @@ class Paint:
         free: NDArray[np.intp] | None = None,
     ) -> FloatArray:
         """
-        Round colors to those of the palette.
+        Map colors to the nearest palette color of their material.
 
         Parameters
         ----------
         color, drawn : ndarray, shape (n, 3)
-            What pixels are relit to, and what they are drawn in, sRGB.
+            Relit and drawn colors of some pixels, sRGB.
         labels : ndarray of int, shape (n,)
             Their materials.
         free : ndarray of int, optional
-            Which of them may keep the color they are drawn in, or change, whatever it is; all of them by default.
+            Indices of pixels whose drawn color is also a candidate, even if the palette lacks it; all by default. Other
+            pixels keep a drawn color that is not in the palette.
 
         Returns
         -------
         ndarray, shape (n, 3)
-            The colors as they are, where there is no palette.
+            The mapped colors; `color` itself if there is no palette.
         """
         if self.palette is None:
             return color
@@ -244,16 +245,16 @@ def relight_pixels(
     palette: bool | None = None,
 ) -> Iterator[FloatArray]:
     """
-    Yield the colors that some pixels take under new lights, for pictures that show a drawing reduced.
+    Yield the colors of selected pixels under new lights, for pictures that show a drawing at reduced size.
 
     Parameters
     ----------
     analysis : ToonAnalysis
-        The picture taken apart.
+        Analysis of the picture.
     new_lights : sequence of ndarray, shape (3,)
         Unit vectors from the surface to the new lights.
     pixels : ndarray of int, shape (n,)
-        Which of the object's pixels, counted in row-major order.
+        Indices of object pixels, counted in row-major order.
     keep_detail : bool, optional
         As in `relight`.
     palette : bool, optional
@@ -262,12 +263,12 @@ def relight_pixels(
     Yields
     ------
     ndarray, shape (n, 3)
-        sRGB under each light, to the last bit the colors of `relight`.
+        sRGB under each light, bit-identical to the colors of `relight`.
     """
     drawing, light = analysis.drawing, analysis.light
     paint = Paint.of(analysis, palette, keep_detail=keep_detail)
     place, mixed = paint.mixed.among(pixels)
-    every = np.concatenate([pixels, mixed.sources.ravel()])  # with those that the mixed ones show
+    every = np.concatenate([pixels, mixed.sources.ravel()])  # mixed pixels need their source pixels too
     labels, drawn = analysis.materials.labels[drawing.places(every)], analysis.image.pixels[every]
     painted, normals = analysis.recolor(drawn, every), analysis.normals.compact[every]
     for new_light in new_lights:
@@ -285,21 +286,21 @@ def relight_pixels(
 
 
 def highlights_left(change: FloatArray) -> FloatArray:
-    """How much of a highlight stays, 0 to 1, where the illumination of what it lies on changes by some amount (n,)."""
+    """Return the remaining strength of highlights, 0 to 1, for a change of illumination (n,)."""
     turn = change / (2.0 * HIGHLIGHT_RANGE)
     left: FloatArray = np.maximum(1.0 - turn * turn, 0.0) ** 4
     return left
 
 
 def turn_share(light: FloatArray, new_light: FloatArray) -> float:
-    """How far one light is from another, as a share of `FULL_TURN`, rising smoothly from 0 to 1."""
+    """Return the smoothstep of the angle between two lights, 0 to 1, saturating at `FULL_TURN`."""
     angle = float(np.arctan2(np.linalg.norm(np.cross(light, new_light)), light @ new_light))
     share = min(angle / FULL_TURN, 1.0)
     return float(share * share * (3.0 - 2.0 * share))
 
 
 def _stacked(materials: Materials) -> tuple[FloatArray, NDArray[np.intp], FloatArray, BoolArray, FloatArray]:
-    """Put all color maps into one array (K, 3), with the first sample of each, their domains, and what makes them flat."""
+    """Concatenate all color maps (K, 3); return them with start offsets, domains, flat flags and base tones."""
     maps = materials.color_maps
     first = np.cumsum([0, *(len(color_map.colors) for color_map in maps)])
     colors = np.ascontiguousarray(np.concatenate([color_map.colors for color_map in maps]))
@@ -327,7 +328,7 @@ def _paint(  # type: ignore[no-untyped-def]
             red = min(max(start[0] + strength * (red - base[which, 0]), 0.0), 1.0)
             green = min(max(start[1] + strength * (green - base[which, 1]), 0.0), 1.0)
             blue = min(max(start[2] + strength * (blue - base[which, 2]), 0.0), 1.0)
-        elif keep_detail and abs(now - was) < 2.0 * DETAIL_RANGE:  # farther off nothing is kept
+        elif keep_detail and abs(now - was) < 2.0 * DETAIL_RANGE:  # beyond this change the weight is zero
             was_red, was_green, was_blue = _mapped(ramp, low, high, was)
             more_red = painted[pixel, 0] - was_red
             more_green = painted[pixel, 1] - was_green
@@ -342,7 +343,7 @@ def _paint(  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def detail_weight(change: float, squared_size: float) -> float:
-    """Return how much of a detail of |d|² stays, 0 to 1, where the illumination changes by `change`."""
+    """Return the weight, 0 to 1, of a detail with squared color difference `squared_size` for a change of illumination."""
     turn = change * (1.0 + squared_size / DETAIL_SIZE**2) / (2.0 * DETAIL_RANGE)
     left = max(1.0 - turn * turn, 0.0)
     return left * left * left * left
@@ -356,7 +357,7 @@ def _mapped(colors, low, high, illumination):  # type: ignore[no-untyped-def]
         return colors[0, 0], colors[0, 1], colors[0, 2]
     position = (min(max(illumination, low), high) - low) * (steps / (high - low))
     start = min(int(position), steps - 1)
-    share = min(position - start, 1.0)  # more, by rounding, would leave the range of the ramp
+    share = min(position - start, 1.0)  # rounding may exceed 1
     return (
         (1.0 - share) * colors[start, 0] + share * colors[start + 1, 0],
         (1.0 - share) * colors[start, 1] + share * colors[start + 1, 1],

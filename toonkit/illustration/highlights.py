@@ -21,50 +21,54 @@ from toonkit.illustration.ramps import Groups
 from toonkit.illustration.tones import Tones
 
 BRIGHTER = 0.06
-"""Least difference of OKLab lightness between a highlight and the paint around it."""
+"""Minimum difference of OKLab lightness between a highlight and the paint around it."""
 
-PALEST = 0.02
-"""Greatest OKLab chroma of a highlight beyond that of the paint around it."""
+MAX_CHROMA_EXCESS = 0.02
+"""Maximum amount by which a highlight's OKLab chroma may exceed that of the surrounding paint."""
 
 BRIGHT = 0.75
-"""Least OKLab lightness of a highlight."""
+"""Minimum OKLab lightness of a highlight."""
 
 PALE = 0.06
-"""Greatest OKLab chroma of a highlight on a given material."""
+"""Maximum OKLab chroma of a highlight on a given material."""
 
 EVEN = 0.06
-"""Greatest range of OKLab lightness within a highlight."""
+"""Maximum range of OKLab lightness within a highlight."""
 
 ENCLOSED, LIT = 0.55, 0.5
-"""Least shares of a highlight's perimeter that border on larger, darker materials, and on their lit tones."""
+"""Minimum shares of a highlight's perimeter that border on larger, darker materials, and on their lit tones."""
 
-APART = 0.15
-"""Greatest share of its perimeter that borders on other paint, such as a pupil."""
+MAX_OTHER_PAINT = 0.15
+"""Maximum share of its perimeter that borders on other paint. The white of an eye exceeds it because of the pupil."""
 
 LIT_RANGE = 0.03
-"""Greatest difference of OKLab lightness from the brightest tone of the material for a tone to count as lit."""
+"""Maximum difference of OKLab lightness from the brightest tone of the material for a tone to count as lit."""
 
 LARGEST, LARGEST_TOGETHER, LARGEST_BESIDE = 0.05, 0.12, 0.3
-"""Greatest area of a highlight: as a share of the object, of the object for all highlights of one color together, and
+"""Maximum area of a highlight: as a share of the object, of the object for all highlights of one color together, and
 of the material around it."""
 
 SEVERAL, ALIKE = 2, 0.25
-"""Most highlights of similar size on one piece of paint. More of them are a pattern."""
+"""Maximum number of highlights of similar size on one connected region of paint, and the minimum area of such a highlight
+relative to the largest one there. More highlights are treated as a pattern."""
 
-TOUCHING, SPOTS = 0.05, 0.8
-"""For a color that also occurs within a material: the greatest share of a spot's perimeter along that material, if the
-spot lies on another one, and the least share of the color's area that spots cover."""
+TOUCHING = 0.05
+"""A spot with at most this share of its perimeter on the color's own material counts as lying on another material."""
+
+SPOTS = 0.8
+"""Minimum share of a color's area that spots must cover for the color to be a highlight, if it also occurs in a
+material."""
 
 JUMP, LARGEST_NAMED = 0.25, 0.3
-"""For a given material: the least difference of OKLab lightness between a highlight and every other large tone, and its
-greatest share of the material."""
+"""For a given material: the minimum difference of OKLab lightness between a highlight and every other large tone, and the
+maximum share of the material that highlights may cover."""
 
 LARGE = 0.05
-"""Least share of a material that a large tone covers."""
+"""Minimum share of a material that a large tone covers."""
 
 
 @dataclass(frozen=True, eq=False)
-class _Extent:
+class _ToneRange:
     """Areas (m,) of groups of tones, and lightness and chroma of their large tones: darkest, brightest, most colorful."""
 
     area: FloatArray
@@ -82,8 +86,9 @@ def find_highlights(tones: Tones, group: Groups) -> BoolArray:
     tones : Tones
         The tones of a drawing.
     group : ndarray of int, shape (n,)
-        Material of each tone, 0 to m - 1. Highlights of one color may be a material of their own here. They may also be
-        the brightest tones of a material whose ramp they happen to fit, if some of them lie on another material.
+        Material of each tone, 0 to m - 1. A highlight color may have been grouped as a separate material, or as the
+        brightest tone of a material whose ramp it fits. The latter is only recognized if some spots of that color lie on
+        another material.
 
     Returns
     -------
@@ -102,17 +107,17 @@ def find_highlights(tones: Tones, group: Groups) -> BoolArray:
     member[pieces[possible]] = owner[possible]
     area = np.bincount(pieces.ravel(), minlength=count)
     beside, perimeter = _contact(pieces, tones.labels, count, len(tones.area))
-    spots = _extent(tones, color, len(home))
-    around = _extent(tones, group, len(home))
+    spots = _tone_range(tones, color, len(home))
+    around = _tone_range(tones, group, len(home))
     among_others = (color >= 0) & (home[color] >= 0)
-    shaded = _extent(tones, np.where(among_others, -1, group), len(home))
+    shaded = _tone_range(tones, np.where(among_others, -1, group), len(home))
     lightness, chroma = tones.lab[:, 0], np.hypot(tones.lab[:, 1], tones.lab[:, 2])
     piece, tone = beside.row, beside.col
     ground = group[tone]
     own = ground == home[member[piece]]
     surrounds = (
         (lightness[tone] < spots.darkest[member[piece]] - BRIGHTER)
-        & (chroma[tone] > spots.chroma[member[piece]] - PALEST)
+        & (chroma[tone] > spots.chroma[member[piece]] - MAX_CHROMA_EXCESS)
         & (LARGEST_BESIDE * around.area[ground] > area[piece])
     )
     brightest = np.where(own, shaded.brightest[ground], around.brightest[ground])
@@ -120,11 +125,16 @@ def find_highlights(tones: Tones, group: Groups) -> BoolArray:
     enclosed = np.bincount(piece, beside.data * surrounds, count) / np.maximum(perimeter, 1)
     at_light = np.bincount(piece, beside.data * lit, count) / np.maximum(perimeter, 1)
     apart = np.bincount(piece, beside.data * ~surrounds, count) / np.maximum(perimeter, 1)
-    found = (enclosed > ENCLOSED) & (at_light > LIT) & (apart < APART) & (area < LARGEST * tones.area.sum())
-    found[0] = False
+    found = (
+        (enclosed > ENCLOSED)
+        & (at_light > LIT)
+        & (apart < MAX_OTHER_PAINT)
+        & (area < LARGEST * tones.area.sum())
+    )
+    found[0] = False  # piece 0 is the background
     at_home = np.bincount(piece, beside.data * own, count)
     found &= _spots_alone(found, area, member, home, at_home / np.maximum(perimeter, 1))
-    return _few(found[pieces], np.where(painted, group[tones.labels], -1))
+    return _drop_patterns(found[pieces], np.where(painted, group[tones.labels], -1))
 
 
 def find_named_highlights(tones: Tones, materials: Labels) -> BoolArray:
@@ -141,7 +151,7 @@ def find_named_highlights(tones: Tones, materials: Labels) -> BoolArray:
     Returns
     -------
     ndarray of bool, shape (h, w)
-        True where a material shows a bright and pale tone far above its others.
+        True where a material has a bright, pale tone much lighter than its other large tones.
     """
     named: BoolArray = (materials >= 0) & (tones.labels >= 0)
     if not named.any():
@@ -165,9 +175,10 @@ def _spots_alone(
     at_home: FloatArray,
 ) -> BoolArray:
     """
-    Tell which pieces are not of a color that is a lit tone where a material shows it among others.
+    Drop pieces whose color is an ordinary lit tone of some material.
 
-    It is none if nearly all of its pieces are spots, and one is beside its home: a lit tone borders on its material's shade.
+    A color is not an ordinary lit tone if spots cover nearly all of its area and at least one spot lies on another material.
+    A lit tone would border on its own material's shade.
     """
     shown = home[member] >= 0
     found = found & ~(shown & (at_home > TOUCHING) & (at_home < 0.5))
@@ -186,12 +197,12 @@ def _bright_colors(tones: Tones, group: Groups) -> tuple[Groups, NDArray[np.intp
     Returns
     -------
     color : ndarray of int, shape (n,)
-        Color of each tone, -1 if highlights have another one.
+        Highlight-color label of each tone; -1 if the tone cannot be a highlight.
     home : ndarray of int, shape (c,)
-        Material that shows each color among others; -1 if none does.
+        Material whose ramp contains each color along with other tones; -1 if the color is a material by itself.
     """
     count = int(group.max()) + 1
-    extent = _extent(tones, group, count)
+    extent = _tone_range(tones, group, count)
     even = extent.brightest - extent.darkest < EVEN
     alone = even & (extent.darkest > BRIGHT)
     brightest = np.zeros(count)
@@ -205,7 +216,8 @@ def _bright_colors(tones: Tones, group: Groups) -> tuple[Groups, NDArray[np.intp
     return color, home
 
 
-def _extent(tones: Tones, group: Groups, count: int) -> _Extent:
+def _tone_range(tones: Tones, group: Groups, count: int) -> _ToneRange:
+    """Return the area of each group of tones, and the lightness and chroma of its large tones."""
     member = group >= 0
     area = np.bincount(group[member], tones.area[member], count).astype(np.float64)
     large = member & (tones.area >= LARGE * area[group])
@@ -214,13 +226,13 @@ def _extent(tones: Tones, group: Groups, count: int) -> _Extent:
     np.minimum.at(darkest, group[large], lightness[large])
     np.maximum.at(brightest, group[large], lightness[large])
     np.maximum.at(palest, group[large], chroma[large])
-    return _Extent(area, darkest, brightest, palest)
+    return _ToneRange(area, darkest, brightest, palest)
 
 
 def _contact(
     pieces: NDArray[np.intp], tones: NDArray[np.integer], count: int, tone_count: int
 ) -> tuple[sparse.coo_array, NDArray[np.intp]]:
-    """Count each piece's pairs of neighboring pixels: those with every tone, and all of them."""
+    """Count the boundary pixel pairs of each piece, per adjacent tone and in total."""
     own, other = [], []
     for axis in (0, 1):
         for one, two in ((slice(None, -1), slice(1, None)), (slice(1, None), slice(None, -1))):
@@ -239,8 +251,8 @@ def _contact(
     return pairs, perimeter
 
 
-def _few(lit: BoolArray, owner: NDArray[np.intp]) -> BoolArray:
-    """Drop what lies on a piece of paint that shows more than `SEVERAL`."""
+def _drop_patterns(lit: BoolArray, owner: NDArray[np.intp]) -> BoolArray:
+    """Drop highlights on connected regions of paint that carry more than `SEVERAL` of similar size."""
     spots, count = ndimage.label(lit, np.ones((3, 3)))
     if count <= SEVERAL:
         return lit

@@ -1,9 +1,9 @@
 """
 Materials: which pixels are painted with the same ramp of colors.
 
-The paint beside the ink is divided into zones that are flat or change smoothly. The colors of zones are grouped into
+The paint not covered by ink is divided into zones that are flat or change smoothly. The colors of zones are grouped into
 tones, and tones into materials. A wrong merge bleeds one material's color into another, whereas a wrong split only
-leaves some painted shading behind. Therefore tones stay apart in doubt.
+leaves some painted shading behind. When in doubt, tones are kept separate.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ STRAY_SHARE = 0.1
 """Share of a material below which a tone is rare in it."""
 
 DETAIL = 0.002
-"""Share of the object up to which a material is a detail, such as an eye or a button. It is too small to show the
-light."""
+"""Share of the object up to which a material is a detail, such as an eye or a button. It is too small to reveal
+the direction of the light."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,14 +47,14 @@ class FoundMaterials:
     labels : ndarray of int32, shape (h, w)
         Material of each pixel, -1 outside the mask.
     sources : ndarray of int32, shape (h, w)
-        Flat index of the pixel whose paint each shows: its own, or that of a pixel nearby where ink covers it or where it is
-        mixed with the paint of another material.
+        Flat index of the pixel whose pure paint represents this one: itself, or a nearby pixel if this one is covered by
+        ink, part of a highlight, or mixed with another material.
     highlights : ndarray of bool, shape (h, w)
         Pixels that show a highlight on their material.
     tones : tuple of ndarray, shape (k, 3)
         For each material its colors, sRGB in [0, 1], darkest first, without those of highlights.
     flat : ndarray of bool, shape (count,)
-        Which are painted in one tone, or are details.
+        True for materials treated as unshaded: one tone only, or smaller than `DETAIL`.
     """
 
     labels: Labels
@@ -80,29 +80,29 @@ def label_materials(
     frame : Frame
         The object.
     coverage : ndarray, shape (h, w)
-        How much of each pixel is ink.
+        Ink coverage of each pixel, 0 to 1.
     normals : ndarray, shape (h, w, 3)
         Initial normals of the silhouette.
     labels : ndarray of int, shape (h, w), optional
-        Given materials, 0 and up; -1 where they are unknown.
+        Material labels supplied by the user, >= 0; -1 where unknown.
     highlights : ndarray of bool, shape (h, w), optional
         Given highlights and cast shadows.
 
     Returns
     -------
     FoundMaterials
-        At least one.
+        The materials found; never empty.
     """
     zones, tones, facing = read_tones(frame, coverage, normals)
     known, lit = _numbered(tones, join_tones(tones, facing))
     told = np.full_like(known, -1)
     if labels is not None:
         told[frame.mask] = labels[frame.mask]
-        lit = (lit & ~_mostly(lit, told)) | find_named_highlights(tones, told)
-        known = np.where(_strays(tones, told), -1, _completed(told, known))
+        lit = (lit & ~_mostly_highlight(lit, told)) | find_named_highlights(tones, told)
+        known = np.where(_strays(tones, told), -1, _fill_unlabeled(told, known))
     if highlights is not None:
         lit = highlights & frame.mask & (coverage < PAINT)
-    source = _everywhere(nearest_sources(known >= 0, frame.lab, frame.mask), frame.mask)
+    source = _fill_missing_sources(nearest_sources(known >= 0, frame.lab, frame.mask), frame.mask)
     own = np.arange(source.size, dtype=np.int32).reshape(source.shape)
     pure = zones.sources.ravel()[source]
     pure = np.where(pure >= 0, pure, source)
@@ -110,7 +110,7 @@ def label_materials(
     pure = _of_their_material(pure, told, (known >= 0) & ~lit & (zones.sources == own))
     shown = np.where(lit, known.ravel()[pure], known.ravel()[source])
     whole = _without_gaps(np.where(told >= 0, told, np.where(frame.mask, shown, -1)), told.max())
-    # Between two tones of one material lies nothing but their own mixture.
+    # Pixels between two tones of one material are not mixed pixels; only those near another material are.
     alone = (known >= 0) & ~lit & ~_beside_another(whole, frame.mask)
     colors = _colors(frame, tones, whole, (known >= 0) & ~lit & (zones.sources == own))
     area = np.bincount(whole[whole >= 0], minlength=len(colors))
@@ -119,21 +119,21 @@ def label_materials(
 
 
 def shows_one_ramp(frame: Frame, normals: FloatArray) -> bool:
-    """Tell whether a drawing, all that seems to be ink included, is one shaded material; normals (h, w, 3) as above."""
+    """Tell whether a drawing is one shaded material if apparent ink is counted as paint; `normals` (h, w, 3) are initial."""
     _, tones, facing = read_tones(frame, np.zeros(frame.mask.shape), normals)
     return is_one_ramp(tones, facing)
 
 
 def read_tones(frame: Frame, coverage: FloatArray, normals: FloatArray) -> tuple[Zones, Tones, Facing]:
-    """Find the zones and tones of the paint beside the ink, and how they face; all of the object, if that is ink."""
+    """Find the zones and tones outside the ink, and each tone's normal statistics; if all is ink, use the whole object."""
     paint = frame.mask & (coverage < PAINT)
     zones = find_zones(frame.lab, paint if paint.any() else frame.mask)
     tones = find_tones(zones)
     return zones, tones, _facing(tones, normals, inked=bool((coverage > 0).any()))
 
 
-def _everywhere(source: Labels, mask: BoolArray) -> Labels:
-    """Give pixels of islands that have no source of their own the nearest one; others beside the mask get any."""
+def _fill_missing_sources(source: Labels, mask: BoolArray) -> Labels:
+    """Give object pixels without a source the nearest one. Values outside the mask are arbitrary."""
     if (source[mask] >= 0).all():
         return np.maximum(source, 0)
     rows, columns = ndimage.distance_transform_edt(source < 0, return_distances=False, return_indices=True)
@@ -161,8 +161,8 @@ def _beside_another(labels: Labels, mask: BoolArray) -> BoolArray:
     return beside
 
 
-def _mostly(lit: BoolArray, told: Labels) -> BoolArray:
-    """Mark the pixels of materials, named by somebody, that highlights would cover: to them these are paint."""
+def _mostly_highlight(lit: BoolArray, told: Labels) -> BoolArray:
+    """Mark user-labeled materials of which highlights would cover more than half: these are bright paint, not highlights."""
     named = told >= 0
     area = np.bincount(told[named])
     mostly = 2 * np.bincount(told[named & lit], minlength=len(area)) > area
@@ -170,7 +170,11 @@ def _mostly(lit: BoolArray, told: Labels) -> BoolArray:
 
 
 def _strays(tones: Tones, told: Labels) -> BoolArray:
-    """Mark the paint along a border drawn by somebody that is the neighbor's: its tone is rare here, and common there."""
+    """
+    Mark paint near a user-drawn border that belongs to the neighboring material.
+
+    Its tone is rare in this material, and most of the tone lies in others.
+    """
     placed = (told >= 0) & (tones.labels >= 0)
     if not placed.any():
         return placed
@@ -180,8 +184,8 @@ def _strays(tones: Tones, told: Labels) -> BoolArray:
     return stray
 
 
-def _completed(told: Labels, found: Labels) -> Labels:
-    """Take the materials that somebody named, and number those found where nobody did after them."""
+def _fill_unlabeled(told: Labels, found: Labels) -> Labels:
+    """Keep user labels; append found materials where there is no user label, numbered after them."""
     left = (told < 0) & (found >= 0)
     known = np.where(found >= 0, told, -1)
     known[left] = told.max() + 1 + np.unique(found[left], return_inverse=True)[1]
@@ -189,7 +193,7 @@ def _completed(told: Labels, found: Labels) -> Labels:
 
 
 def _without_gaps(labels: Labels, named: int) -> Labels:
-    """Renumber the materials after those that somebody named, so that each number occurs."""
+    """Renumber the materials found, which follow the user's, so that each number occurs."""
     found = labels > named
     if found.any():
         labels[found] = named + 1 + np.unique(labels[found], return_inverse=True)[1]
@@ -199,7 +203,7 @@ def _without_gaps(labels: Labels, named: int) -> Labels:
 def _under_highlights(
     lit: BoolArray, pure: Labels, source: Labels, unmixed: BoolArray, frame: Frame
 ) -> tuple[BoolArray, Labels]:
-    """Give the pixels of highlights, and those mixed with one, the sources of the paint around."""
+    """Give highlight pixels, and pixels mixed with a highlight, the source of the surrounding paint."""
     if not lit.any():
         return lit, pure
     lit = frame.mask & lit.ravel()[source]
@@ -209,7 +213,7 @@ def _under_highlights(
 
 
 def _of_their_material(sources: Labels, told: Labels, clean: BoolArray) -> Labels:
-    """Give pixels of a material, named by somebody, whose sources lie in another one the nearest clean ones of their own."""
+    """Replace sources outside a pixel's user-labeled material with the nearest clean pixel of that material."""
     elsewhere = (told >= 0) & (told.ravel()[sources] != told)
     sources = sources.copy()
     for material in np.unique(told[elsewhere]):
@@ -225,7 +229,8 @@ def _numbered(tones: Tones, group: Groups) -> tuple[Labels, BoolArray]:
     """
     Assign numbers to the materials of pixels by area, the largest first, and among equal ones the darker first.
 
-    The other array marks the pixels of highlights, which have the number of their color: the last ones where all of it is.
+    The other array marks highlight pixels, which keep the number of their own color. Colors that occur only as highlights
+    come last.
     """
     _, which = np.unique(group, return_inverse=True)
     lit = find_highlights(tones, which)
@@ -239,7 +244,7 @@ def _numbered(tones: Tones, group: Groups) -> tuple[Labels, BoolArray]:
 
 
 def _colors(frame: Frame, tones: Tones, labels: Labels, pure: BoolArray) -> tuple[FloatArray, ...]:
-    """Mean sRGB of each material's tones, but for those that are rare in it: of pixels that show nothing else."""
+    """Return the mean sRGB of each tone of each material, over unmixed pixels, without tones below `TONE_SHARE`."""
     paint = (tones.labels >= 0) & (labels >= 0) & pure
     count, number = int(labels.max()) + 1, len(tones.area)
     key = labels[paint].astype(np.intp) * number + tones.labels[paint]

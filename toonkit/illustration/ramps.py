@@ -1,12 +1,11 @@
 """
-Ramps: which tones are one material in more and in less light.
+Ramps: decide which tones are shades of one material.
 
-There are two kinds of evidence. The first are the colors. Groups of tones are merged by complete linkage: only if every
-two of their tones could be shades of one paint. The color of a shade lies near the ray from black through the brighter
+There are two kinds of evidence. The first is color. Groups of tones are merged by complete linkage: only if every pair
+of their tones could be shades of one paint. The color of a shade lies near the ray from black through the brighter
 tone. The farther it is from the ray, the darker it must be. Mixtures of two paints fit neither paint, so they do not
-chain two materials together. The second kind are the places where tones touch. A step of shading is small, its
-terminator is long compared with the tones, and its bright side faces the light, which is the same for the whole
-drawing.
+chain two materials together. The second is where tones touch. A step of shading is small, its boundary is long relative
+to the tones' perimeters, and its bright side faces the light, which is the same for the whole drawing.
 
 A drawing in one material is recognized as a whole: see `is_one_ramp`.
 """
@@ -23,29 +22,29 @@ from toonkit._validation import BoolArray, FloatArray
 from toonkit.illustration.tones import Matrix, Tones
 
 SPREAD, SPREAD_PER_DROP = 0.028, 0.17
-"""OKLab distance of a shade's color from its ray that costs 1: at equal lightness, and in addition per lightness of drop."""
+"""OKLab distance from the ray that gives cost 1: base value, plus this much per unit of lightness difference."""
 
 FADE, BOOST = 0.3, 1.35
-"""Chroma of a shade relative to that of the brighter tone, at least and at most."""
+"""Minimum and maximum chroma of a shade relative to that of the brighter tone."""
 
-COLORED, TURN = 0.04, 0.5
-"""Chroma from which a color has a hue, and the cosine of the largest turn between the hues of shades."""
+COLORED, MIN_HUE_COSINE = 0.04, 0.5
+"""Minimum chroma for the hue to be meaningful, and the minimum cosine of the angle between the hues of two shades."""
 
-SMOOTH = 2.1
-"""Cost up to which groups may be one material whose contact is mostly smooth: a seam would show there."""
+LARGEST_SMOOTH_COST = 2.1
+"""Maximum cost for merging groups whose contact is mostly smooth. A change of material would leave a visible edge."""
 
-DROP = 0.3
-"""Lightness of a shade relative to the brighter tone, at least."""
+MIN_LIGHTNESS_RATIO = 0.3
+"""Minimum lightness of a shade relative to the brighter tone."""
 
 SPOT = (0.6, 0.85)
-"""Shares of a darker tone's perimeter along a single brighter tone from which it may be a spot, and from which it is
-one."""
+"""Share of a darker tone's perimeter on one brighter tone above which it starts to count as a spot, and above which it
+fully does."""
 
 SMALL = 0.0006
-"""Share of the paint up to which a tone is too small to keep groups apart."""
+"""Tones that cover at most this share of the paint cannot prevent a merge."""
 
 LARGEST_COST = 1.2
-"""Cost up to which the tones of groups may be shades of one paint."""
+"""Maximum cost at which the tones of two groups may be shades of one paint."""
 
 EVIDENCE = {
     "constant": 0.3,
@@ -65,33 +64,34 @@ EVIDENCE = {
 }
 """
 Weights of the cues in the log-odds that two tones that touch are one material: a logistic regression on generated drawings
-(`python -m benchmarks.tone_pairs`), rounded. The constant is lower than fitted, so that in doubt tones stay apart.
+(`python -m benchmarks.tone_pairs`), rounded. The constant is lower than fitted, so that tones stay separate when in doubt.
 """
 
-MOST_FACING, MOST_TURN, MOST_FADE, DARK = 0.6, 1.5, 2.0, 0.3
-"""Limits of that evidence: difference of illumination, radians of hue, ratio of chromas, OKLab lightness of dark paint."""
+MAX_FACING, MAX_TURN, MAX_FADE, DARK = 0.6, 1.5, 2.0, 0.3
+"""Values at which the cues above are clipped: difference of illumination, hue angle in radians, ratio of chromas; and the
+OKLab lightness below which paint counts as dark."""
 
 LARGE = 0.002
-"""Share of the paint from which a tone counts where a drawing is tested for being one ramp."""
+"""Minimum share of the paint for a tone to be considered in `is_one_ramp`."""
 
-TURNED_BACK = 1.0
-"""Radians by which the hue of a ramp may turn back on its way from dark to bright."""
+MAX_HUE_REVERSAL = 1.0
+"""Maximum hue reversal of a ramp from dark to bright, in radians; see `_hue_reversal`."""
 
 AMBIGUOUS = 0.015
-"""Share of the paint that shows, at one lightness, tones of different color, up to which brushwork may do so on one ramp."""
+"""Maximum share of the paint with different colors at equal lightness. Brushwork causes a little of this within one ramp."""
 
 STEEPEST = 2.0
-"""Cost of a step of lightness up to which the tones below and above may be one ramp."""
+"""Maximum cost between consecutive tones of one ramp."""
 
 HIDDEN = 1.35
-"""Cost of a step of lightness up to which the tones below and above may be one ramp though they do not touch."""
+"""Maximum cost between consecutive tones of one ramp that do not touch."""
 
 STEP = 0.06
-"""Lightness by which a spot differs from what encloses it, at least."""
+"""Minimum lightness difference between a spot and the tone that encloses it."""
 
 UNLIKE, NO_HIGHLIGHT = 1.3, 0.55
-"""Cost from which a bright spot is not a shade of what encloses it; and by how many standard deviations of its
-illumination a highlight must face the light more."""
+"""Minimum cost for a bright spot to be a separate paint. Minimum excess of its mean illumination over that of the
+enclosing tone, in standard deviations, for it to be a highlight instead."""
 
 Groups = NDArray[np.intp]
 
@@ -116,7 +116,7 @@ class Facing:
     inked: bool
 
     def only(self, which: Groups) -> Facing:
-        """Return what is known of some tones."""
+        """Return the statistics of the given tones."""
         return Facing(self.sums[which], self.moments[which], self.inked)
 
 
@@ -134,7 +134,7 @@ def join_tones(tones: Tones, facing: Facing) -> Groups:
     Returns
     -------
     ndarray of int, shape (n,)
-        Material of each tone, in no particular order.
+        Material label of each tone. Labels are arbitrary and not consecutive.
     """
     spots = _spots(tones, facing)
     others = np.flatnonzero(~spots)
@@ -143,14 +143,18 @@ def join_tones(tones: Tones, facing: Facing) -> Groups:
     large = tones.area > SMALL * tones.area.sum()
     cost = shade_cost(tones.lab)
     evidence = touching_evidence(tones, cost, facing)
-    limited = np.where(out_of_range(tones.lab), np.maximum(cost, 2.0 * LARGEST_COST), cost)
+    limited = np.where(out_of_range(tones.lab), np.maximum(cost, 2.0 * LARGEST_COST), cost)  # never merged
+    # Small tones never prevent a merge.
     limited = np.where(large[:, None] & large, limited, np.minimum(limited, 0.9))
     return _agglomerate(limited, evidence, tones)
 
 
 def shade_cost(lab: FloatArray) -> Matrix:
     """
-    Return the cost of taking two tones for shades of one paint, for all pairs. Up to 1 they can be.
+    Return, for all pairs, how poorly two tones fit as shades of one paint.
+
+    At 1 the color is one spread away from the ray. Merging allows up to `LARGEST_COST`, or `LARGEST_SMOOTH_COST` where the
+    contact is mostly smooth.
 
     Parameters
     ----------
@@ -172,14 +176,14 @@ def shade_cost(lab: FloatArray) -> Matrix:
 
 
 def touching_evidence(tones: Tones, cost: Matrix, facing: Facing) -> Matrix:
-    """Log-odds (n, n) that tones that touch are one material; meaningless where they do not."""
+    """Return the log-odds (n, n) that touching tones are one material; meaningless for tones that do not touch."""
     cues = touching_cues(tones, cost, facing)
     odds: Matrix = sum((EVIDENCE[name] * cue for name, cue in cues.items()), np.zeros_like(cost))
     return np.clip(odds, -8.0, 8.0)
 
 
 def touching_cues(tones: Tones, cost: Matrix, facing: Facing) -> dict[str, Matrix]:
-    """Return the cues (n, n) that tones that touch are one material, or not, by the names that `EVIDENCE` has for them."""
+    """Return the features (n, n), keyed as in `EVIDENCE`, that indicate whether touching tones are one material."""
     rise = tones.lab[None, :, 0] - tones.lab[:, None, 0]
     drop, cost = np.abs(rise), np.minimum(cost, 3.0)
     enclosed = _enclosed(tones)
@@ -187,7 +191,7 @@ def touching_cues(tones: Tones, cost: Matrix, facing: Facing) -> dict[str, Matri
     toward = np.append(_azimuth(tones, cost), 1.0) / np.sqrt(2.0)
     illumination = facing.sums @ toward / tones.area
     turned = np.sign(rise) * (illumination - illumination[:, None])
-    turned = np.clip(turned, -MOST_FACING, MOST_FACING)
+    turned = np.clip(turned, -MAX_FACING, MAX_FACING)
     chroma = np.hypot(tones.lab[:, 1], tones.lab[:, 2])
     dark = np.where(rise > 0, chroma[:, None], chroma)
     bright = np.where(rise > 0, chroma, chroma[:, None])
@@ -205,24 +209,25 @@ def touching_cues(tones: Tones, cost: Matrix, facing: Facing) -> dict[str, Matri
         "spot": np.clip((enclosed - SPOT[0]) / (SPOT[1] - SPOT[0]), 0.0, 1.0),
         "facing": turned,
         "facing squared": turned * np.abs(turned),
-        "turn": np.minimum(turn, MOST_TURN),
+        "turn": np.minimum(turn, MAX_TURN),
         "contact": np.minimum(contact, 1.0),
         "chroma": bright,
         "shadow's chroma": dark,
-        "fade": np.minimum(dark / np.maximum(bright, 0.02), MOST_FADE),
+        "fade": np.minimum(dark / np.maximum(bright, 0.02), MAX_FADE),
         "darkness": np.clip((DARK - brighter) / DARK, 0.0, 1.0),
     }
 
 
 def _enclosed(tones: Tones) -> Matrix:
-    """Share (n, n) of each tone's perimeter along each other one, without a smooth passage: shadows reach silhouettes."""
+    """Return the share (n, n) of each tone's perimeter that is a hard edge to each other tone."""
     return (tones.contact - tones.smooth) / np.maximum(tones.perimeter, 1.0)[:, None]
 
 
 def _spots(tones: Tones, facing: Facing) -> BoolArray:
-    """Find the tones (n,) that a single other one encloses without a smooth passage, and that are no light or shadow on it.
+    """Find tones (n,) enclosed by one other tone with a hard edge that are neither highlights nor shadows on it.
 
-    Shadows reach silhouettes. Light has the color of what it falls on, or lies where that faces it.
+    Shadows reach the silhouette, so they are not enclosed. A bright spot is a highlight, not a separate paint, if its color
+    could be a shade of the enclosing paint or if it faces the light more.
     """
     area = tones.area.astype(np.float64)
     large = area > LARGE * area.sum()
@@ -252,7 +257,7 @@ def is_one_ramp(tones: Tones, facing: Facing) -> bool:
     rise = lightness[None, :] - lightness[:, None]
     apart = np.linalg.norm(tones.lab[:, None] - tones.lab, axis=2)
     ambiguous = (smaller * ((np.abs(rise) < 0.03) & (apart > 0.05))).sum() > AMBIGUOUS * total
-    if ambiguous or _turned_back(tones) > TURNED_BACK or _steepest(tones) > STEEPEST:
+    if ambiguous or _hue_reversal(tones) > MAX_HUE_REVERSAL or _steepest(tones) > STEEPEST:
         return False
     explained, light = _explained_by_normals(lightness, area, facing)
     if explained < 0.1 or light[2] < -0.32:
@@ -266,13 +271,13 @@ def is_one_ramp(tones: Tones, facing: Facing) -> bool:
         return True
     if facing.inked or hidden > HIDDEN:
         return False
-    # Other tones hide the contact of consecutive ones where parts stand before each other, and where steps are almost hard.
+    # Where parts overlap, or transitions are almost hard, other tones separate consecutive ones and hide their contact.
     in_front = light[2] > -0.1
     if (explained > 0.45 and reversed_share < 0.02) or (
         explained > 0.25 and in_front and reversed_share < 0.005
     ):
         return True
-    # On boxes every face has a tone of its own, next to any other, and the inflated normals say little.
+    # On a box each face has its own tone and may border any other face; the inflated normals are uninformative.
     faceted = explained > 0.22 and in_front and reversed_share < 0.36
     return faceted and _skipped_share(tones) > 0.38
 
@@ -283,8 +288,8 @@ def _steepest(tones: Tones) -> float:
     return float(np.diag(shade_cost(tones.lab[large]), 1).max(initial=0.0))
 
 
-def _turned_back(tones: Tones) -> float:
-    """Return by how much hue turns back from dark to bright, in radians: its whole way less its net turn."""
+def _hue_reversal(tones: Tones) -> float:
+    """Return the total absolute hue change minus the net change, in radians, from dark to bright."""
     chroma = np.hypot(tones.lab[:, 1], tones.lab[:, 2])
     told = np.flatnonzero((chroma > COLORED) & (tones.area >= LARGE * tones.area.sum()))
     told = told[np.argsort(tones.lab[told, 0], kind="stable")]
@@ -294,7 +299,7 @@ def _turned_back(tones: Tones) -> float:
 
 
 def _skipped_share(tones: Tones) -> float:
-    """Share of the contact that is between tones with another large one between them in lightness, and not smooth."""
+    """Return the share of the contact that is hard and joins tones with another large tone between them in lightness."""
     lightness = tones.lab[:, 0]
     large = np.sort(lightness[tones.area > LARGE * tones.area.sum()])
     first, last = np.searchsorted(large, lightness + 0.02), np.searchsorted(large, lightness - 0.02)
@@ -313,12 +318,12 @@ def _ordered(lab: FloatArray) -> tuple[FloatArray, FloatArray, Matrix]:
 
 
 def out_of_range(lab: FloatArray) -> NDArray[np.bool_]:
-    """Tell of which pairs the hue turns too far, or the lightness drops too deep."""
+    """Mark pairs whose hue or lightness differs too much to be shades of one paint."""
     darker, brighter, drop = _ordered(lab)
     chroma = np.linalg.norm(darker, axis=2), np.linalg.norm(brighter, axis=2)
     colored = (chroma[0] > COLORED) & (chroma[1] > COLORED)
-    turned = (darker * brighter).sum(axis=2) < TURN * chroma[0] * chroma[1]
-    deep = drop > (1.0 - DROP) * np.maximum(lab[:, None, 0], lab[None, :, 0])
+    turned = (darker * brighter).sum(axis=2) < MIN_HUE_COSINE * chroma[0] * chroma[1]
+    deep = drop > (1.0 - MIN_LIGHTNESS_RATIO) * np.maximum(lab[:, None, 0], lab[None, :, 0])
     return np.asarray((colored & turned) | deep)
 
 
@@ -330,7 +335,11 @@ def _azimuth(tones: Tones, cost: Matrix) -> FloatArray:
 
 
 def _hidden_steps(tones: Tones, least: float) -> float:
-    """Return the largest cost of a step of lightness at which tones do not touch along a line of some relative length."""
+    """
+    Return the largest cost between consecutive large tones whose sides touch too little.
+
+    The contact of the tones just below and just above must be at least `least` times the square root of the smaller area.
+    """
     lightness, count = tones.lab[:, 0], len(tones.area)
     cost, worst = shade_cost(tones.lab), 0.0
     large = np.flatnonzero(tones.area > 2.5 * LARGE * tones.area.sum())
@@ -348,7 +357,7 @@ def _hidden_steps(tones: Tones, least: float) -> float:
 def _explained_by_normals(
     lightness: FloatArray, area: FloatArray, facing: Facing
 ) -> tuple[float, FloatArray]:
-    """Share of the lightness's variance that is linear in the normals, and the unit vector along which it grows."""
+    """Return the share of the lightness variance that is linear in the normals, and the unit vector along which it grows."""
     total = area.sum()
     system = np.zeros((4, 4))
     system[:3, :3] = facing.moments.sum(axis=0)
@@ -364,7 +373,7 @@ def _explained_by_normals(
 
 
 def _agglomerate(cost: Matrix, evidence: Matrix, tones: Tones) -> Groups:
-    """Join the two groups with the most evidence for it, until none is left that touch and could be one."""
+    """Repeatedly merge the pair of touching groups with the highest mean evidence, until none is positive."""
     count = len(cost)
     group, alive = np.arange(count), np.ones(count, np.bool_)
     cost, weight, weighted, smooth = (
@@ -375,7 +384,7 @@ def _agglomerate(cost: Matrix, evidence: Matrix, tones: Tones) -> Groups:
     )
     alone = np.eye(count, dtype=np.bool_)
     while True:
-        most = np.where(smooth > 0.8 * weight, SMOOTH, LARGEST_COST)
+        most = np.where(smooth > 0.8 * weight, LARGEST_SMOOTH_COST, LARGEST_COST)
         possible: BoolArray = (weight > 0) & (cost <= most) & alive[:, None] & alive & ~alone
         mean = np.where(possible, weighted / np.maximum(weight, 1e-9), -np.inf)
         i, j = divmod(int(mean.argmax()), count)

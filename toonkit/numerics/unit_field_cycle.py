@@ -1,8 +1,9 @@
 """
-Cycles of the solver for unit vectors over ever coarser grids: the full approximation scheme.
+Multigrid V-cycles for unit-vector fields, with the full approximation scheme (FAS).
 
-Coarse grids see the same kind of problem, with a linear term that makes them stand still where the fine grid does, and with
-the components that are outside their intervals held as firmly as they are there.
+Each coarse problem has the same form plus a linear term (the tau correction), so that a fine-grid stationary point is also
+stationary on the coarse grid. Where a component lies outside its interval, the coarse problem keeps the same penalty
+curvature.
 """
 
 from __future__ import annotations
@@ -17,13 +18,13 @@ from toonkit.numerics.change_kernels import gather_blocks, retract
 from toonkit.numerics.unit_vectors import NO_SOURCE, Terms, UnitVectorEnergy, moved
 
 COARSEST_SIZE = 1000
-"""Pixels of the coarsest grid at most: on still coarser ones one vector stands for too much of an object's curvature."""
+"""Maximum size of the coarsest grid, in pixels. On coarser grids one vector would represent too much of the curvature."""
 
 COARSEST_SWEEPS = 5
-"""Sweeps there, each way."""
+"""Forward and backward sweeps on the coarsest grid."""
 
 LONGEST_CORRECTION = 2.0
-"""How far a coarser grid's correction is followed at most, in units of itself."""
+"""Maximum step length along a coarse-grid correction; 1 applies it unscaled."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,40 +35,40 @@ class Level:
     Attributes
     ----------
     problem : UnitVectorEnergy
-        The problem there.
+        The problem on this grid.
     coarser : Level or None
-        The next one, None on the coarsest grid.
+        The next coarser level, None on the coarsest grid.
     """
 
     problem: UnitVectorEnergy
     coarser: Level | None
-    _rooms: dict[str, FloatArray] = field(default_factory=dict)
+    _workspace: dict[str, FloatArray] = field(default_factory=dict)
 
     @classmethod
     def finest(cls, problem: UnitVectorEnergy) -> Level:
-        """Return the level of a problem as it is posed, with those of all coarser grids behind it."""
+        """Build the level for this problem and all coarser levels below it."""
         if problem.grid.size <= COARSEST_SIZE:
             return cls(problem, None)
         return cls(problem, cls.finest(problem.coarsened()))
 
     def room(self, name: str) -> FloatArray:
-        """Return memory for a field of vectors, kept: new memory costs more than what is done in it."""
-        if name not in self._rooms:
-            self._rooms[name] = np.empty_like(self.problem.start)
-        return self._rooms[name]
+        """Return a reused buffer for a vector field. Allocating a new one would cost more than the computation."""
+        if name not in self._workspace:
+            self._workspace[name] = np.empty_like(self.problem.start)
+        return self._workspace[name]
 
     def exchange(self, name: str, memory: FloatArray | None) -> None:
-        """Put other memory, or new one, in a room's place: what it holds is to stay."""
-        self._rooms.pop(name, None)
+        """Replace a buffer, because the caller keeps the old one; None allocates a new one on demand."""
+        self._workspace.pop(name, None)
         if memory is not None:
-            self._rooms[name] = memory
+            self._workspace[name] = memory
 
     def cleared(self, name: str, count: int) -> FloatArray:
-        """Return memory for so many numbers a pixel, (count, P), kept and set to zero."""
-        if name not in self._rooms:
-            self._rooms[name] = np.empty((count, self.problem.grid.size))
-        self._rooms[name].fill(0.0)
-        return self._rooms[name]
+        """Return a reused buffer of shape (count, P), set to zero."""
+        if name not in self._workspace:
+            self._workspace[name] = np.empty((count, self.problem.grid.size))
+        self._workspace[name].fill(0.0)
+        return self._workspace[name]
 
     def retracted(self, field: FloatArray, step: FloatArray, length: float, out: FloatArray) -> FloatArray:
         """Write the unit vectors of `field + length * step` to `out`, and return it; it may be one of the two."""
@@ -76,7 +77,11 @@ class Level:
 
 
 def from_coarser_grids(level: Level, guess: FloatArray) -> FloatArray:
-    """Return a guess (P, 3) as the coarser grids change it: each makes a cycle from what those beyond it made of theirs."""
+    """
+    Return a guess (P, 3) improved by nested iteration.
+
+    From the coarsest level to the finest, each coarser level runs one cycle, and the change is interpolated.
+    """
     coarse = level.coarser
     if coarse is None:
         return guess.copy()
@@ -90,7 +95,7 @@ def from_coarser_grids(level: Level, guess: FloatArray) -> FloatArray:
 
 
 def cycle(level: Level, terms: Terms, field: FloatArray) -> None:
-    """Improve a field in place: relax, let the coarser grids correct it, relax in the opposite order."""
+    """Improve a field in place: pre-smooth, apply the coarse-grid correction, post-smooth in the opposite order."""
     if level.coarser is None:
         for _ in range(COARSEST_SWEEPS):
             level.problem.relax(terms, field, backward=False)
@@ -103,7 +108,7 @@ def cycle(level: Level, terms: Terms, field: FloatArray) -> None:
 
 
 def correct(level: Level, terms: Terms, field: FloatArray, gradient: FloatArray, energy: float) -> None:
-    """Let the coarser grids correct a field whose gradient is known, in place, and relax it."""
+    """Apply the coarse-grid correction to a field whose gradient is known, in place, then post-smooth."""
     coarse = level.coarser
     if coarse is None:
         cycle(level, terms, field)
@@ -123,7 +128,7 @@ def correct(level: Level, terms: Terms, field: FloatArray, gradient: FloatArray,
 def _restricted(
     level: Level, coarse: Level, terms: Terms, field: FloatArray, gradient: FloatArray
 ) -> tuple[FloatArray, Terms]:
-    """Return the mean vectors of the blocks, and the terms under which the coarse level stands still where this one does."""
+    """Return the unit mean vectors of the blocks, and the coarse terms including the tau correction."""
     direction = level.problem.direction
     hold, target, lower, upper, weight = coarse.cleared("components", 5)
     start, slopes = coarse.room("start"), coarse.room("slopes")
@@ -135,7 +140,7 @@ def _restricted(
     )  # fmt: skip
     coarse.retracted(start, start, 0.0, start)
     np.einsum("pc,c->p", start, direction, out=target)
-    # Within an interval that contains the component, the means; without any, whatever there is.
+    # Block interval: weighted mean over pixels inside their intervals, widened to contain the component; [-1, 1] if none is.
     free = weight == 0.0
     for bound, widest, wider in ((lower, -1.0, np.minimum), (upper, 1.0, np.maximum)):
         np.divide(bound, weight, out=bound, where=~free)
@@ -151,7 +156,11 @@ def _restricted(
 def _fitting_length(
     level: Level, terms: Terms, field: FloatArray, step: FloatArray, gradient: FloatArray, energy: float
 ) -> float:
-    """Return the length of a step at which a parabola is least: through the energy and its slope here, and at its end."""
+    """
+    Return the step length that minimizes a parabola, at most `LONGEST_CORRECTION`.
+
+    It is fitted to the energy and its slope at length 0 and to the energy at length 1.
+    """
     along = inner(gradient, step)
     end = level.retracted(field, step, 1.0, level.room("end"))
     bend = level.problem.value_and_gradient(terms, end, level.room("end's gradient")) - energy - along
