@@ -14,8 +14,8 @@ from toonkit.numerics.masked_grid import MaskedGrid, block_sums
 from toonkit.numerics.membrane import Membrane, solve_membrane, uniform_links
 
 RESIDUAL_TOLERANCE = 1e-5
-"""Relative residual of the harmonic solve. It is worth a few thousandths of a degree on average, far less than the
-error of the outline."""
+"""Relative residual of the harmonic solve. It changes the normals by a few thousandths of a degree on average, far less than
+the error of the outline."""
 
 
 def inflate(mask: ArrayLike, *, alpha: ArrayLike | None = None) -> NormalField:
@@ -27,7 +27,7 @@ def inflate(mask: ArrayLike, *, alpha: ArrayLike | None = None) -> NormalField:
     mask : array_like, shape (H, W)
         True on the object; it may have several components and holes.
     alpha : array_like, shape (H, W), optional
-        Coverage in [0, 1], which places the outline between pixels. Without it the outline of the mask is smoothed.
+        Coverage in [0, 1], used to locate the outline to sub-pixel precision. Without it the mask's outline is smoothed.
 
     Returns
     -------
@@ -37,14 +37,14 @@ def inflate(mask: ArrayLike, *, alpha: ArrayLike | None = None) -> NormalField:
     Raises
     ------
     ToonkitError
-        If the mask is empty or too small, or alpha has another size or leaves [0, 1].
+        If the mask covers fewer than 9 pixels, or alpha has a different size or contains values outside [0, 1].
 
     Notes
     -----
-    Eq. 1 asks for a harmonic N0 with N = (nx, ny, 0) on the silhouette; read literally nz would vanish everywhere.
-    Following Lumo [1]_ the harmonic functions are nx and ny, and nz = sqrt(1 - nx² - ny²). The silhouette conditions
-    stand at the outline's sub-pixel distance from each rim pixel, by the symmetric scheme of [2]_: a disc becomes the
-    hemisphere up to second order.
+    Eq. 1 asks for a harmonic N0 with N = (nx, ny, 0) on the silhouette. Taken literally, this makes nz zero everywhere.
+    Following Lumo [1]_ the harmonic functions are nx and ny, and nz = sqrt(1 - nx² - ny²). The boundary conditions
+    are imposed at the sub-pixel distance of the outline from each rim pixel, with the symmetric scheme of [2]_. For a disc
+    the result converges to a hemisphere at second order in the pixel size.
 
     References
     ----------
@@ -77,20 +77,24 @@ def inflate_silhouette(grid: MaskedGrid, silhouette: Silhouette) -> FloatArray:
     """Return the inflated normals (P, 3) of an outline that has been traced; see `inflate`."""
     sideways, _ = solve_membrane(*silhouette_system(grid, silhouette), tolerance=RESIDUAL_TOLERANCE)
     vectors = np.empty((grid.size, 3))
-    run_in_pieces(_complete, grid.size, sideways, vectors)
+    run_in_pieces(_fill_in_nz, grid.size, sideways, vectors)
     return vectors
 
 
 def silhouette_system(grid: MaskedGrid, silhouette: Silhouette) -> tuple[Membrane, NDArray[np.complex128]]:
-    """Membrane that ties every rim pixel to the outline's direction (Eq. 1), and its right side (P,): that of nx + i ny."""
+    """
+    Return the screened Poisson system, and its right-hand side (P,) for nx + i ny.
+
+    Its screening holds each rim pixel to the outward outline normal (Eq. 1).
+    """
     stiffness = 1.0 / silhouette.distances
     ties = block_sums(silhouette.pixels, stiffness, grid.size)
     pull = [block_sums(silhouette.pixels, stiffness * part, grid.size) for part in silhouette.outward.T]
     return Membrane(grid, uniform_links(grid), ties), pull[0] + 1j * pull[1]
 
 
-def _complete(sideways: NDArray[np.complex128], vectors: FloatArray, piece: slice) -> None:
-    """Write vectors (P, 3): nz beside nx + i ny, which a solver may leave a rounding error longer than one."""
+def _fill_in_nz(sideways: NDArray[np.complex128], vectors: FloatArray, piece: slice) -> None:
+    """Write the normals (P, 3) given nx + i ny, whose length is clipped to 1 because the solver may exceed it slightly."""
     flat = sideways[piece] / np.maximum(np.abs(sideways[piece]), 1.0)
     vectors[piece, 0], vectors[piece, 1] = flat.real, flat.imag
     vectors[piece, 2] = np.sqrt(np.maximum(1.0 - flat.real**2 - flat.imag**2, 0.0))

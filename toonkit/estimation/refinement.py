@@ -31,15 +31,16 @@ from toonkit.numerics.unit_field import solve_unit_field
 
 Progress = Callable[[float], None]
 
-FARTHEST = 2.0
-"""Largest absolute value of a bound of illumination. A margin may move bounds beyond -1 and 1."""
+MAX_ILLUMINATION_BOUND = 2.0
+"""Largest allowed absolute value of an illumination bound. A margin may move a bound outside [-1, 1]."""
 
 NEGLIGIBLE = 1.5e-5
-"""Squared illumination of one step of an 8-bit picture. A cycle that gains less than this per pixel is the last one."""
+"""Squared illumination of one step of an 8-bit picture. The solver stops when a cycle
+lowers the energy by less than this per pixel."""
 
 SWEEP_RELAXATION, MAX_SWEEPS, SWEEP_TOLERANCE = 1.5, 500, 1e-5
-"""How the paper's solver runs: over-relaxation factor, sweeps allowed, and the relative decrease of the energy in one sweep
-at which it stops."""
+"""Settings of the paper's solver: over-relaxation factor, maximum number of sweeps, and the relative energy decrease per
+sweep below which it stops."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,36 +76,37 @@ def refine(
     Parameters
     ----------
     initial_normals : NormalField
-        N0.
+        Initial normals N0, from which the change is measured.
     light : array_like, shape (3,) or (2,)
         Direction from the surface to the light, or its azimuth and elevation in degrees.
     interval : IlluminationInterval
-        Range of illumination that each pixel's color allows, bounds of shape (H, W). If the ranges of neighbors are
-        apart, there is an edge between them. A mixed pixel whose range spans both sides hides it.
+        Range of illumination that each pixel's color allows, bounds of shape (H, W). Where the ranges of
+        two neighbors do not overlap, there is an edge, across which the change is barely smoothed. A mixed pixel whose
+        range covers both sides conceals such an edge.
     alpha : array_like, shape (H, W), optional
-        Coverage in [0, 1], which places the outline between pixels; the mask's own by default.
+        Coverage in [0, 1], used to locate the outline to sub-pixel precision; 1 inside the mask by default.
     options : RefinementOptions, optional
         Weights.
     guess : NormalField, optional
-        Start of the search. The result under a nearby light or with other weights makes it faster.
+        Initial guess for the solver. A result for a nearby light or other weights speeds it up.
     progress : callable, optional
-        Called with the fraction done, 0 to 1; what it raises stops the refinement.
+        Called with the fraction done, 0 to 1. An exception it raises aborts the refinement and propagates.
 
     Returns
     -------
     Refinement
-        Normals and report; not having converged is a state in it, not an error.
+        Normals and report. If the solver did not converge, the report says so; no error is raised.
 
     Raises
     ------
     ToonkitError
-        If the light is refused, the interval or alpha has another size, the interval is unknown on the object, alpha leaves
-        [0, 1], or the guess covers another mask.
+        If an argument has the wrong type, the light is invalid, a size differs, the interval is not finite or lies outside
+        [-2, 2] on the object, alpha lies outside [0, 1], or the guess has a different mask.
 
     Notes
     -----
-    Minimizes the energy of `toonkit.estimation.energy.change_energy`. Parts of the object that do not touch are refined each
-    by itself.
+    Minimizes the energy of `toonkit.estimation.energy.change_energy`. Disconnected parts are
+    refined separately, small ones together; see `toonkit.estimation.islands`.
     """
     of_type("initial_normals", initial_normals, NormalField)
     of_type("interval", interval, IlluminationInterval)
@@ -137,28 +139,28 @@ def refine_islands(
     progress: Progress | None = None,
 ) -> Refinement:
     """
-    Refine the normals of an object's islands, each by itself; see `refine`.
+    Refine the normals of an object's islands separately; see `refine`.
 
     Here the light is a unit vector, and intervals have bounds of shape (P,); for `painted` see
     `toonkit.estimation.energy.change_energy`.
     """
     options = RefinementOptions() if options is None else options
-    tell = progress if progress is not None else _ignored
+    tell = progress if progress is not None else _no_progress
     whole, done = len(initial_normals.compact), 0
     fields, reports = [], []
     for island in islands:
         size, pixels = island.grid.size, island.pixels
         energy = change_energy(
             island.grid, island.silhouette, island.own_vectors(initial_normals.compact),
-            island.turn.vectors(light), _of_pixels(allowed, pixels), options,
-            painted=None if painted is None else _of_pixels(painted, pixels),
+            island.turn.vectors(light), _select(allowed, pixels), options,
+            painted=None if painted is None else _select(painted, pixels),
         )  # fmt: skip
         field, report = solve_unit_field(
             energy,
             guess=None if guess is None else island.own_vectors(guess.compact),
             tolerance=options.tolerance,
             negligible=NEGLIGIBLE,
-            progress=partial(_tell_share, tell, done / whole, size / whole),
+            progress=partial(_report_share, tell, done / whole, size / whole),
         )
         fields.append(field)
         reports.append(report)
@@ -168,16 +170,16 @@ def refine_islands(
     )
 
 
-def _of_pixels(interval: IlluminationInterval, pixels: NDArray[np.integer] | slice) -> IlluminationInterval:
+def _select(interval: IlluminationInterval, pixels: NDArray[np.integer] | slice) -> IlluminationInterval:
     return IlluminationInterval(interval.lower[pixels], interval.upper[pixels])
 
 
-def _tell_share(tell: Progress, done: float, share: float, fraction: float) -> None:
+def _report_share(tell: Progress, done: float, share: float, fraction: float) -> None:
     """Report the progress of one island as that of the whole object."""
     tell(done + share * fraction)
 
 
-def _ignored(_fraction: float) -> None:
+def _no_progress(_fraction: float) -> None:
     """Stand in for a progress callable."""
 
 
@@ -191,22 +193,22 @@ def refine_as_printed(
     progress: Progress | None = None,
 ) -> Refinement:
     """
-    Minimize Eq. 5 from N0 by Gauss-Seidel with successive over-relaxation: the paper's own way.
+    Minimize Eq. 5 from N0 by Gauss-Seidel with successive over-relaxation, as in the paper.
 
     Parameters
     ----------
     energy : SmoothnessEnergy
-        Of `toonkit.estimation.energy.printed_energy`.
+        Energy returned by `toonkit.estimation.energy.printed_energy`.
     mask : ndarray, shape (H, W)
         The picture's mask, whose pixels in row-major order are those of the energy.
     relaxation : float, optional
         Over-relaxation factor.
     max_sweeps : int, optional
-        Sweeps allowed.
+        Maximum number of sweeps.
     tolerance : float, optional
-        Relative decrease of the energy in one sweep at which it stops.
+        Relative energy decrease per sweep below which it stops.
     progress : callable, optional
-        Called with the fraction done, 0 to 1; what it raises stops the refinement.
+        Called with the fraction done, 0 to 1. An exception it raises aborts the refinement and propagates.
 
     Returns
     -------
@@ -220,12 +222,12 @@ def refine_as_printed(
 
 
 def _on_object(interval: IlluminationInterval, mask: BoolArray) -> IlluminationInterval:
-    """Return an interval (H, W) at the object's pixels, (P,)."""
+    """Check an interval (H, W) and return its bounds at the object's pixels, shape (P,)."""
     for name, bound in (("interval.lower", interval.lower), ("interval.upper", interval.upper)):
         same_shape(name, bound.shape, mask.shape, "the normals")
         if not np.isfinite(bound[mask]).all():
             raise refuse(name, "must be known and finite on the object", "NaN or infinite values")
-        if np.abs(bound[mask]).max() > FARTHEST:
-            rule = f"must lie in [-{FARTHEST:g}, {FARTHEST:g}] (illumination lies in [-1, 1])"
+        if np.abs(bound[mask]).max() > MAX_ILLUMINATION_BOUND:
+            rule = f"must lie in [-{MAX_ILLUMINATION_BOUND:g}, {MAX_ILLUMINATION_BOUND:g}] (illumination lies in [-1, 1])"
             raise refuse(name, rule, f"{bound[mask].min():.4g} to {bound[mask].max():.4g}")
     return IlluminationInterval(interval.lower[mask], interval.upper[mask])

@@ -24,7 +24,7 @@ from toonkit.relighting import relight
 TOWARD_VIEWER = light_direction(0.0, 90.0)
 
 
-def _by_the_model(analysis: ToonAnalysis, new_light: FloatArray) -> ToonImage:
+def _relight_model_only(analysis: ToonAnalysis, new_light: FloatArray) -> ToonImage:
     return relight(analysis, new_light, keep_detail=False)
 
 
@@ -36,9 +36,9 @@ class Contestant:
     Attributes
     ----------
     analyze : callable
-        A method as in `toonkit.METHODS`.
+        A function with the signature of `toonkit.methods.Method`.
     picture : callable, ToonAnalysis -> ToonImage
-        The input as the method explains it.
+        Reconstruction of the input by the method.
     relight : callable, (ToonAnalysis, light (3,)) -> ToonImage
         The input under another light. By default it is Eq. 7, without the detail that `toonkit.relight` can keep, so
         that the comparison is about the method.
@@ -46,7 +46,7 @@ class Contestant:
 
     analyze: Method
     picture: Callable[[ToonAnalysis], ToonImage] = lambda analysis: analysis.picture
-    relight: Callable[[ToonAnalysis, FloatArray], ToonImage] = _by_the_model
+    relight: Callable[[ToonAnalysis, FloatArray], ToonImage] = _relight_model_only
 
 
 def flat(
@@ -56,7 +56,7 @@ def flat(
     previous: ToonAnalysis | None = None,
     progress: StepProgress | None = None,
 ) -> ToonAnalysis:
-    """Return normals that all face the viewer: the result that any method must beat."""
+    """Return the baseline analysis, whose normals all face the viewer; any method must beat it."""
     del previous
     image = drawing.image
     vectors = np.where(image.mask[..., None], TOWARD_VIEWER, np.nan)
@@ -74,5 +74,5 @@ FLAT = Contestant(flat, picture=lambda analysis: analysis.image, relight=lambda 
 
 
 def contestants() -> dict[str, Contestant]:
-    """Return all methods that can be compared, by name: those in `toonkit.METHODS`, and `flat`."""
+    """Return all methods of the study by name: those of `toonkit.METHODS`, plus `flat`."""
     return {**{name: Contestant(method) for name, method in METHODS.items()}, "flat": FLAT}

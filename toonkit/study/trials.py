@@ -37,10 +37,12 @@ LIGHT_TRACKS: tuple[LightTrack, ...] = ("given", "estimated")
 """Whether a method is given the true light, as in the paper, or works with the estimated one."""
 
 Angles = tuple[float, float]
+"""Azimuth and elevation of a light, in degrees."""
 
 NEW_LIGHTS: tuple[Angles, ...] = tuple(
     (azimuth, elevation) for azimuth in (0, 90, 180, 270) for elevation in (25, 60)
 )
+"""Azimuth and elevation, in degrees, of the lights for relighting."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,7 @@ class StudySettings:
     light : (float, float)
         Azimuth and elevation, in degrees, of the light L_t under which the shapes are painted.
     new_lights : tuple of (float, float)
-        Those under which they are relit.
+        Azimuth and elevation, in degrees, of the lights for relighting.
     """
 
     size: int = 512
@@ -88,9 +90,9 @@ class Trial:
     Attributes
     ----------
     shape, color_map, method : str
-        Names.
+        Names of the shape, the color map and the method.
     light_track : {"given", "estimated"}
-        Where the method's light comes from.
+        Whether the method is given the true light or works with an estimate.
     """
 
     shape: str
@@ -100,18 +102,18 @@ class Trial:
 
     @property
     def key(self) -> str:
-        """A name for files: no two trials share it."""
+        """Unique key of the trial, usable as a file name."""
         return "--".join((self.shape, self.color_map, self.method, self.light_track))
 
 
 @dataclass(frozen=True)
 class Record:
     """
-    What was measured in one trial: a row of the study's table.
+    Measurements of one trial: a row of the study's table.
 
     Every error is a mean (or a root mean square, where the name says so) over the mask; `..._without_rim` leaves out the
-    one-pixel rim, where a pixel is half background. Relit pictures are compared in fixed sRGB, each method's by its own
-    color map, and averaged over the new lights. A trial that failed says so in `error`, and its measures are NaN.
+    one-pixel rim, where a pixel is half background. Relighting errors are sRGB differences, averaged over the new
+    lights. Each method paints with the color map it estimated. `error` is set for failed trials, and their measures are NaN.
 
     Attributes
     ----------
@@ -122,35 +124,36 @@ class Record:
     light_azimuth, light_elevation : float
         The true light, degrees.
     pixels : int
-        On the object.
+        Number of object pixels.
     light_error, light_confidence : float
-        Angle between the light used and the true one, degrees (0 where it is given), and the estimate's confidence.
+        Angle between the light used and the true one, degrees (0 where the light is given), and the confidence of the
+        estimate, 0 to 1 (1 where the light is given).
     angular_error, angular_error_without_rim, angular_error_median, angular_error_percentile_95 : float
-        Between estimated and true normals, degrees.
+        Angle between estimated and true normals, degrees.
     illumination_error, illumination_error_without_rim : float
-        Between estimated and true L · N, each with its own light.
+        Difference between estimated and true L · N, each with its own light.
     color_map_rmse, color_map_rmse_without_rim : float
         The true normals painted with the estimated color map, against the input; sRGB.
     input_rmse, input_rmse_without_rim, input_difference : float
-        The input as the method explains it, against the input; sRGB, and CIEDE2000.
+        Reconstruction of the input versus the input: sRGB root mean square error, and mean CIEDE2000.
     relight_rmse, relight_rmse_without_rim, relight_rmse_worst : float
         Relit pictures against the true ones, sRGB: the mean over the new lights, and the largest.
     relight_response, relight_response_without_rim : float
         Change of the picture under the new lights relative to the change of the true picture, as root mean squares over
         all lights. 1 is right; 0 is no change.
     iterations : int
-        Of the refinement.
+        Iterations of the refinement.
     converged : bool
-        Whether it ended by itself.
+        Whether the refinement met its convergence criterion.
     stopped : str
-        Why it ended.
+        Why the refinement stopped.
     seconds : float
-        Wall time of the analysis, while other trials may run. It is the only column that differs between two runs of
-        the same trial.
+        Wall-clock seconds of the analysis; other trials may run at the same time. It is the only column that differs
+        between two runs of the same trial.
     error : str
-        Empty if all went well.
+        Error of a failed trial; empty if the trial succeeded.
     toonkit, python, numpy, scipy, numba : str
-        Versions.
+        Package versions.
     """
 
     shape: str
@@ -208,7 +211,7 @@ class Painting:
     image : ToonImage
         c_t = M_t(L_t · N_t), with the shape's coverage as alpha.
     relit : tuple of ToonImage
-        The truth under each of the new lights.
+        Ground-truth pictures under each of the new lights.
     """
 
     truth: RenderedShape
@@ -224,7 +227,7 @@ class Painting:
 
     @cached_property
     def changes(self) -> tuple[PictureError, ...]:
-        """How much the truth changes under each of the new lights."""
+        """Change of the ground-truth picture under each of the new lights."""
         return tuple(picture_error(relit, self.image) for relit in self.relit)
 
 
@@ -275,9 +278,7 @@ def run_trial(trial: Trial, shape_kind: str, painting: Painting, contestant: Con
     """
     record = unmeasured(trial, shape_kind, painting.settings)
     try:
-        return replace(
-            record, pixels=int(painting.image.mask.sum()), **_measured(trial, painting, contestant)
-        )
+        return replace(record, pixels=int(painting.image.mask.sum()), **_measure(trial, painting, contestant))
     except Exception as error:  # an error of the method is its result in this trial
         return replace(record, error=f"{type(error).__name__}: {error}")
 
@@ -303,7 +304,7 @@ def unmeasured(trial: Trial, shape_kind: str, settings: StudySettings, *, error:
     )
 
 
-def _measured(trial: Trial, painting: Painting, contestant: Contestant) -> dict[str, Any]:
+def _measure(trial: Trial, painting: Painting, contestant: Contestant) -> dict[str, Any]:
     estimate = LightEstimate(painting.light, 1.0)
     if trial.light_track == "estimated":
         estimate = estimate_light(painting.image)
@@ -314,9 +315,9 @@ def _measured(trial: Trial, painting: Painting, contestant: Contestant) -> dict[
     return {
         "light_error": _angle(estimate.light, painting.light),
         "light_confidence": float(estimate.confidence),
-        **_compared(analysis, painting),
-        **_repainted(analysis, painting, contestant),
-        **_relit(analysis, painting, contestant),
+        **_measure_normals(analysis, painting),
+        **_measure_reconstruction(analysis, painting, contestant),
+        **_measure_relighting(analysis, painting, contestant),
         "iterations": int(analysis.report.iterations),
         "converged": bool(analysis.report.converged),
         "stopped": str(analysis.report.reason),
@@ -324,8 +325,8 @@ def _measured(trial: Trial, painting: Painting, contestant: Contestant) -> dict[
     }
 
 
-def _compared(analysis: ToonAnalysis, painting: Painting) -> dict[str, float]:
-    """Measure the normals, and the illumination they give."""
+def _measure_normals(analysis: ToonAnalysis, painting: Painting) -> dict[str, float]:
+    """Return the errors of the normals and of their illumination."""
     normals = painting.truth.normals
     angle = angular_error(analysis.normals, normals)
     light = illumination_error(
@@ -341,8 +342,10 @@ def _compared(analysis: ToonAnalysis, painting: Painting) -> dict[str, float]:
     }
 
 
-def _repainted(analysis: ToonAnalysis, painting: Painting, contestant: Contestant) -> dict[str, float]:
-    """Measure the input as the method explains it, and its color map apart from its normals."""
+def _measure_reconstruction(
+    analysis: ToonAnalysis, painting: Painting, contestant: Contestant
+) -> dict[str, float]:
+    """Return the errors of the reconstruction, and of its color map evaluated on the true normals."""
     picture = contestant.picture(analysis)
     fit = picture_error(picture, painting.image)
     by_truth = replace(analysis, normals=painting.truth.normals).picture
@@ -356,8 +359,10 @@ def _repainted(analysis: ToonAnalysis, painting: Painting, contestant: Contestan
     }
 
 
-def _relit(analysis: ToonAnalysis, painting: Painting, contestant: Contestant) -> dict[str, float]:
-    """Measure the relit pictures, and how much they differ from the picture before."""
+def _measure_relighting(
+    analysis: ToonAnalysis, painting: Painting, contestant: Contestant
+) -> dict[str, float]:
+    """Return the errors of the relit pictures, and how much they change relative to the true change."""
     before = contestant.picture(analysis)
     errors, changes = [], []
     for angles, truth in zip(painting.settings.new_lights, painting.relit, strict=True):
@@ -380,7 +385,11 @@ def _relit(analysis: ToonAnalysis, painting: Painting, contestant: Contestant) -
 
 
 def _ratio(changes: list[float], true_changes: list[float]) -> float:
-    """Root mean square over the lights, of ours by the truth's: a light that hardly changes the truth weighs little."""
+    """
+    Return the ratio of the method's RMS change over all lights to the true one; NaN if the true one is negligible.
+
+    Lights that barely change the true picture have little weight.
+    """
     truth = float(np.linalg.norm(true_changes))
     return float(np.linalg.norm(changes)) / truth if truth > UNCHANGED else float("nan")
 

@@ -13,17 +13,19 @@ from toonkit.model.oklab import oklab_to_srgb, srgb_to_oklab
 from toonkit.synthetic.samples import SUBPIXELS, Samples
 
 REFERENCE_SIZE = 256
-"""Width of the picture at which widths are given in pixels."""
+"""Picture width, in pixels, to which line widths refer."""
 
 WIDTHS = (1.0, 3.0)
-"""Width of the lines of a drawing, in pixels of a picture of `REFERENCE_SIZE`."""
+"""Range of line widths of a drawing, in pixels at `REFERENCE_SIZE`."""
 
 UNINKED = 0.08
-"""Share of the drawings without any line."""
+"""Probability that a drawing has no lines."""
 
-_JUMP = 6.0  # subpixels by which depth falls at an occlusion, beyond what the slopes explain
-_STEEPEST = 0.3  # smallest z of a normal by which a slope is taken: at a rim it has no end
-_SHARPEST = 0.75  # cosine of the turn between neighboring subpixels from which on an edge is drawn
+_JUMP = (
+    6.0  # minimum depth step of an occlusion edge, in subpixels, beyond what the surface slope accounts for
+)
+_MIN_NZ = 0.3  # lower bound of n_z in a slope, which is unbounded at the rim
+_CREASE_COSINE = 0.75  # creases are drawn where the cosine between neighboring normals is below this
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +36,9 @@ class Ink:
     Attributes
     ----------
     covered : ndarray of bool, shape (n,)
-        Which samples it covers.
+        True for samples that the ink covers.
     color : ndarray, shape (n, 3)
-        sRGB it has at each sample.
+        sRGB color of the ink at each sample.
     """
 
     covered: BoolArray
@@ -51,7 +53,7 @@ class Hand:
     Attributes
     ----------
     outline, inner : float
-        Width of the outline, 0 for none, and of the lines within it, in pixels of a picture of `REFERENCE_SIZE`.
+        Widths of the outline (0: none) and of inner lines, in pixels at `REFERENCE_SIZE`.
     missing : float
         Probability that there is no line between two parts.
     patterns, creases : bool
@@ -69,7 +71,7 @@ class Hand:
 
 
 def random_ink(samples: Samples, bases: FloatArray, rng: np.random.Generator) -> Ink:
-    """Draw line art; `bases` (m, 3) are the sRGB colors of the materials, of which tinted lines are mixed."""
+    """Draw line art; `bases` (m, 3) are the sRGB colors of the materials, from which tinted lines take their color."""
     color = _ink_colors(samples, bases, rng)
     if rng.random() < UNINKED:
         return Ink(np.zeros(len(samples.pixel), np.bool_), color)
@@ -86,10 +88,10 @@ def random_ink(samples: Samples, bases: FloatArray, rng: np.random.Generator) ->
 
 
 def draw_ink(samples: Samples, hand: Hand, color: FloatArray, rng: np.random.Generator) -> Ink:
-    """Draw line art by a hand; `color` (n, 3) is the sRGB color that the ink has at each sample."""
+    """Draw line art in a given style; `color` (n, 3) is the sRGB color that the ink has at each sample."""
     unit = SUBPIXELS * samples.size / REFERENCE_SIZE
     seen = samples.seen
-    pressure = _pressure(seen.shape[0], hand.taper, rng)
+    pressure = _width_factor(seen.shape[0], hand.taper, rng)
     covered = np.zeros_like(seen)
     if hand.outline > 0:
         away, nearest = distance_transform_edt(np.pad(seen, 1), return_indices=True)
@@ -102,8 +104,8 @@ def draw_ink(samples: Samples, hand: Hand, color: FloatArray, rng: np.random.Gen
     return Ink(covered[seen] | samples.marked, color)
 
 
-def _pressure(count: int, taper: float, rng: np.random.Generator) -> FloatArray:
-    """Width of a line relative to its nominal one on the grid of subpixels: even, or swelling and thinning out."""
+def _width_factor(count: int, taper: float, rng: np.random.Generator) -> FloatArray:
+    """Return line widths relative to the nominal width, per subpixel: constant, or varying smoothly."""
     if taper == 0.0:
         return np.ones((count, count))
     coarse = rng.normal(size=(9, 9))
@@ -112,13 +114,13 @@ def _pressure(count: int, taper: float, rng: np.random.Generator) -> FloatArray:
 
 
 def _inner_lines(samples: Samples, hand: Hand, rng: np.random.Generator) -> BoolArray:
-    """Subpixels along which lines run inside the silhouette."""
+    """Mark subpixels on lines inside the silhouette."""
     hits, seen = samples.hits, samples.seen
     part = hits.part.astype(np.int64)
     count = int(part.max()) + 2
     drawn = rng.random((count, count)) >= hand.missing  # whether the line between two parts is drawn
     drawn |= drawn.T
-    slope = np.hypot(hits.normals[..., 0], hits.normals[..., 1]) / np.maximum(hits.normals[..., 2], _STEEPEST)
+    slope = np.hypot(hits.normals[..., 0], hits.normals[..., 1]) / np.maximum(hits.normals[..., 2], _MIN_NZ)
     depth = np.where(seen, hits.depth, 0.0) / samples.spacing
     material = samples.on_grid(samples.material, outside=-1)
     lines = np.zeros_like(seen)
@@ -130,7 +132,7 @@ def _inner_lines(samples: Samples, hand: Hand, rng: np.random.Generator) -> Bool
         wanted |= np.abs(fall) > slope[here] + slope[there] + _JUMP
         if hand.creases:
             turn = np.einsum("rck,rck->rc", hits.normals[here], hits.normals[there])
-            wanted |= ~other & (turn < _SHARPEST)
+            wanted |= ~other & (turn < _CREASE_COSINE)
         if hand.patterns:
             wanted |= ~other & (material[here] != material[there])
         wanted &= inside
@@ -140,7 +142,7 @@ def _inner_lines(samples: Samples, hand: Hand, rng: np.random.Generator) -> Bool
 
 
 def _ink_colors(samples: Samples, bases: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Color of the ink at each sample (n, 3): one color, or a dark shade of what it runs on."""
+    """Return the color of the ink at each sample (n, 3): one color, or a dark shade of the material beneath."""
     kind = rng.choice(["black", "brown", "deep", "gray", "tinted"], p=[0.36, 0.16, 0.14, 0.12, 0.22])
     if kind == "tinted":
         lab = srgb_to_oklab(bases)
