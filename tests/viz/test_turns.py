@@ -135,11 +135,11 @@ def test_a_visitor_with_many_drawings_delays_another_by_one_at_most(monkeypatch)
     first_started = threading.Event()
     release = threading.Event()
 
-    def noted(image, light=None, *, method, materials=None, previous, progress):
+    def noted(image, light=None, *, method, **others):
         started.append(busy if method == "lumo" else late)
         first_started.set()
         assert release.wait(PATIENCE_SECONDS)
-        return real(image, light, method=method, materials=materials, previous=previous, progress=progress)
+        return real(image, light, method=method, **others)
 
     async def visit() -> None:
         async def open_many() -> None:
@@ -149,8 +149,9 @@ def test_a_visitor_with_many_drawings_delays_another_by_one_at_most(monkeypatch)
         visits = asyncio.create_task(open_many())
         await asyncio.to_thread(first_started.wait, PATIENCE_SECONDS)
         later = asyncio.create_task(late.open_file(other))
-        while late.step != "waiting for another drawing":
-            await asyncio.sleep(0.01)
+        async with asyncio.timeout(PATIENCE_SECONDS):
+            while late.step != "waiting for another drawing":
+                await asyncio.sleep(0.01)
         release.set()
         await asyncio.gather(visits, later)
 
