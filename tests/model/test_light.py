@@ -33,8 +33,11 @@ def test_angles_point_where_they_should(azimuth, elevation, direction):
 
 @given(st.floats(-179.9, 180), st.floats(-89.9, 89.9))
 def test_angles_survive_the_way_to_a_vector_and_back(azimuth, elevation):
-    # 1e-8 degrees: directions are rounded to 15 digits, and at elevation 89.9 azimuth loses three of them
-    assert light_angles(light_direction(azimuth, elevation)) == pytest.approx((azimuth, elevation), abs=1e-8)
+    # 1e-8 degrees: directions are rounded to 15 digits, and at elevation 89.9 azimuth loses three of them. A light less than
+    # 6e-8 degrees behind the picture counts as beside it.
+    back = light_angles(light_direction(azimuth, elevation))
+    assert back[0] == pytest.approx(azimuth, abs=1e-8)
+    assert back[1] == pytest.approx(elevation, abs=6e-8 if elevation < 0 else 1e-8)
 
 
 @given(st.floats(-1000, 1000), st.floats(0, 90))
