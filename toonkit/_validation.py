@@ -101,13 +101,13 @@ def is_count(value: object, least: int, most: int) -> TypeGuard[int]:
 
 
 def check_flag(argument: str, value: object) -> None:
-    """Refuse a value that is neither True nor False."""
+    """Raise `ToonkitError` unless the value is a bool."""
     if not isinstance(value, bool | np.bool_):
         raise refuse(argument, "must be True or False", repr(value))
 
 
 def check_callable(argument: str, value: object) -> None:
-    """Refuse a value that is neither None nor can be called."""
+    """Raise `ToonkitError` unless the value is callable or None."""
     if value is not None and not callable(value):
         raise refuse(argument, "must be a function, or None", type(value).__name__)
 

@@ -68,7 +68,7 @@ class ToonAnalysis:
     Raises
     ------
     ToonkitError
-        If a part is of another type or covers another mask, or a material has no color map.
+        If a part has the wrong type or a different mask, or a material has no color map.
     """
 
     image: ToonImage
@@ -114,7 +114,7 @@ class ToonAnalysis:
 
     @property
     def light_source(self) -> LightSource:
-        """Where the light is from: given, estimated, or assumed because the drawing does not say where it is."""
+        """How the light was obtained: given, estimated, or assumed because the drawing gives no cue."""
         if self.light_estimate is None:
             return "given"
         return "assumed" if self.light_estimate.is_guess else "estimated"
@@ -153,7 +153,7 @@ class ToonAnalysis:
 
     @property
     def picture(self) -> ToonImage:
-        """The input as the model paints it: M(L · N), flat materials in their one tone, ink on top."""
+        """The input as the model renders it: M(L · N) for shaded materials, the base tone for flat ones, with ink on top."""
         paint = self.recolor(self.drawing.paint, slice(None))
         value = self.normals.compact @ self.light
         for material, flat, color_map in self._each_material():

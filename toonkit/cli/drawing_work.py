@@ -161,13 +161,13 @@ def analyze_drawing(
     Parameters
     ----------
     work : DrawingWork
-        What to do.
+        The drawing, the options, and which files to write.
     folder : str or Path
         Where to write; created if need be, once the drawing is read.
     progress : callable, optional
-        Called with the step that runs and the fraction done.
+        Called with the name of the current step and the fraction done, 0 to 1.
     seconds : callable, optional
-        Returns the seconds of each step so far, for the report.
+        Returns the seconds spent so far, by step name, for the report.
 
     Returns
     -------
@@ -177,7 +177,7 @@ def analyze_drawing(
     Raises
     ------
     ToonkitError
-        If the drawing is refused, or the folder cannot be written to.
+        If the drawing cannot be read or analyzed, or the folder cannot be written.
     """
     import toonkit  # noqa: PLC0415
     from toonkit._validation import as_labels  # noqa: PLC0415

@@ -119,7 +119,7 @@ def illumination_interval(image: ToonImage | PreparedDrawing, color_map: ColorMa
     Raises
     ------
     ToonkitError
-        If an argument is of another type.
+        If an argument has the wrong type.
     """
     drawing = prepare(image)
     of_type("color_map", color_map, ColorMap)

@@ -69,19 +69,19 @@ def field(weights: Weights, seen: Array) -> Array:
 
 def summary(weights: Weights, seen: Array) -> Array:
     """
-    Run a network with one output for the whole picture.
+    Run the encoder, global pooling and two dense layers; one output vector per picture.
 
     Parameters
     ----------
     weights : dict
-        Those of `encoded`, and the dense layers `hidden` and `out`.
+        The weights that `encoded` needs, plus the dense layers `hidden` and `out`.
     seen : ndarray of float32, shape (C, S, S)
         Feature maps.
 
     Returns
     -------
     ndarray of float32, shape (rows of `out`,)
-        The answer.
+        Network output.
     """
     coarse = encoded(weights, seen)[-1]
     pooled = np.concatenate([coarse.mean((1, 2)), coarse.max((1, 2))])

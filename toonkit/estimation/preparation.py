@@ -176,7 +176,7 @@ class PreparedDrawing:
 
     @property
     def ink_coverage(self) -> FloatArray:
-        """How much of each pixel is ink, shape (H, W), 0 outside the mask."""
+        """Ink coverage of each pixel, 0 to 1, shape (H, W); 0 outside the mask."""
         return self._on_picture(self.ink.coverage, 0.0)
 
     @cached_property

@@ -13,7 +13,7 @@ from toonkit.model.whole_pixels import opaque, put_pixels
 
 def line_art(drawing: PreparedDrawing) -> NDArray[np.uint8]:
     """
-    Return the ink of a drawing without the paint beneath.
+    Return the line art of a drawing on a transparent background.
 
     Parameters
     ----------
@@ -23,12 +23,12 @@ def line_art(drawing: PreparedDrawing) -> NDArray[np.uint8]:
     Returns
     -------
     ndarray of uint8, shape (H, W, 4)
-        RGBA: the color of the ink, and as straight alpha how much of each pixel it covers.
+        RGBA, straight alpha: ink color, with the ink coverage of each pixel as alpha.
 
     Raises
     ------
     ToonkitError
-        If the drawing is not prepared.
+        If `drawing` is not a `PreparedDrawing`.
     """
     of_type("drawing", drawing, PreparedDrawing)
     image, frame, ink = drawing.image, drawing.frame, drawing.ink

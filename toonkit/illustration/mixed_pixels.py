@@ -114,7 +114,7 @@ def mixtures(
     color : ndarray, shape (h, w, 3)
         sRGB in [0, 1].
     coverage : ndarray, shape (h, w)
-        How much of each pixel is ink.
+        Ink coverage of each pixel, 0 to 1.
     labels : ndarray of int, shape (h, w)
         Their materials.
     sources : ndarray of int, shape (h, w)

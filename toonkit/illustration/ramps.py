@@ -143,8 +143,8 @@ def join_tones(tones: Tones, facing: Facing) -> Groups:
     large = tones.area > SMALL * tones.area.sum()
     cost = shade_cost(tones.lab)
     evidence = touching_evidence(tones, cost, facing)
-    limited = np.where(out_of_range(tones.lab), np.maximum(cost, 2.0 * LARGEST_COST), cost)  # never merged
-    # Small tones never prevent a merge.
+    # A pair out of range forbids a merge, unless one of its tones is small.
+    limited = np.where(out_of_range(tones.lab), np.maximum(cost, 2.0 * LARGEST_COST), cost)
     limited = np.where(large[:, None] & large, limited, np.minimum(limited, 0.9))
     return _agglomerate(limited, evidence, tones)
 

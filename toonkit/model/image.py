@@ -169,7 +169,7 @@ class ToonImage:
 
 
 def eight_bit(values: FloatArray) -> NDArray[np.uint8]:
-    """Round values in [0, 1] to the steps of an 8-bit picture."""
+    """Convert values in [0, 1] to uint8 in 0..255, rounding to nearest."""
     steps = values * 255
     return np.rint(steps, out=steps).astype(np.uint8)
 

@@ -92,7 +92,7 @@ class Materials:
 
     @property
     def base_tones(self) -> FloatArray:
-        """Color that each material has as a whole, sRGB, shape (count, 3): the mean of its tones."""
+        """Base color of each material, sRGB, shape (count, 3): the mean of its tones."""
         return np.array([tones.mean(axis=0) for tones in self.tones])
 
     @cached_property

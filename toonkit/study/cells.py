@@ -68,7 +68,7 @@ class Cell:
         )
 
     def one_by_one(self) -> list[Cell]:
-        """Return a cell for each trial."""
+        """Return one cell per trial."""
         return [
             replace(self, trials=(trial,), methods={trial.method: self.methods[trial.method]})
             for trial in self.trials

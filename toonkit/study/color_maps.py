@@ -25,13 +25,13 @@ class Ramp:
     Attributes
     ----------
     name : str
-        Its key.
+        Name in `color_maps.json`.
     tones : tuple of str
         Colors from dark to bright, `#rrggbb` sRGB.
     steps : tuple of (float, float)
         Illumination at which each tone gives way to the next, and how wide the transition is.
     tags : tuple of str
-        Its characteristics.
+        Descriptive labels.
     """
 
     name: str

@@ -62,7 +62,7 @@ def run_study(
     progress: Report | None = None,
 ) -> pd.DataFrame:
     """
-    Measure every trial of a plan that is not on file with the same inputs.
+    Run every trial of a plan that has no saved record with the same inputs.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def run_study(
     scheduler : str, optional
         Address of a dask scheduler, such as `tcp://host:8786`, whose workers do the work instead.
     retry_failed : bool, optional
-        Measure trials again that are on file with an error. Those whose worker was lost always are.
+        Rerun trials that failed. Trials whose worker was lost are always rerun.
     again : collection of str, optional
         Methods of the plan whose records are all deleted first, because their code has changed.
     progress : callable, optional
@@ -90,9 +90,9 @@ def run_study(
     Raises
     ------
     ToonkitError
-        If the folder holds a study of other settings or is in use by another run, a method to measure again is not in the
-        plan, packages of the study are missing, or the scheduler cannot be reached, is lost, or has workers with another
-        toonkit. What was measured until then is on file.
+        If the folder holds a study with different settings or is in use by another run, a method to measure again is not in
+        the plan, packages of the study are missing, or the scheduler cannot be reached, is lost, or has workers with another
+        toonkit. Completed trials are saved.
 
     Notes
     -----

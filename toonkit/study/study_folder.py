@@ -31,6 +31,6 @@ def opened_sidecar(fresh: dict[str, Any], home: Path) -> dict[str, Any]:
 
 
 def write_sidecar(sidecar: dict[str, Any], home: Path) -> None:
-    """Write the sidecar, whole or not at all."""
+    """Write the sidecar atomically."""
     with atomic_write(home / PROVENANCE_NAME) as file:
         file.write((json.dumps(sidecar, indent=2) + "\n").encode())

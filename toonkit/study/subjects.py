@@ -82,7 +82,7 @@ def load_mesh(source: str | Path, view: View | None = None) -> MeshShape:
 
 
 def render(subject: Subject, size: int) -> RenderedShape:
-    """Render a shape or a mesh from its own view, shape (size, size); raises as `render_shape` and `render_mesh` do."""
+    """Render a shape or a mesh from its own view, shape (size, size); for errors see `render_shape` and `render_mesh`."""
     if isinstance(subject, Shape):
         return render_shape(subject, size)
     view = subject.view

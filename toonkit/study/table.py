@@ -81,7 +81,7 @@ def as_table(records: Iterable[Record]) -> pd.DataFrame:
 
 
 def write_table(trials: pd.DataFrame, folder: PathLike) -> Path:
-    """Write a table into a study's folder as Parquet, whole or not at all; return its path."""
+    """Write a table into a study's folder as Parquet, atomically; return its path."""
     path = Path(folder) / TABLE_NAME
     with atomic_write(path) as file:
         trials.to_parquet(file, index=False)
@@ -89,7 +89,7 @@ def write_table(trials: pd.DataFrame, folder: PathLike) -> Path:
 
 
 def write_csv(trials: pd.DataFrame, path: PathLike) -> Path:
-    """Write a table as CSV with `CSV_DIGITS` significant digits, whole or not at all; return its path."""
+    """Write a table as CSV with `CSV_DIGITS` significant digits, atomically; return its path."""
     text = trials.to_csv(index=False, float_format=f"%.{CSV_DIGITS}g")
     with atomic_write(path) as file:
         file.write(text.encode())

@@ -1,4 +1,4 @@
-"""Training: steps, an average of the weights over them, and checkpoints from which it goes on."""
+"""Training: optimizer steps, an average of the weights over them, and checkpoints from which training resumes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from toonkit.training.drawings import Drawings
 from toonkit.training.network import exported, normalized, take_over
 
 AVERAGING = 0.998
-"""What is kept of the averaged weights at each step; the average is what ships."""
+"""Weight of the old average in the new one at each step; the averaged weights are the ones shipped."""
 
 
 TOLD = ("shapes", "shape_seed", "steps", "batch", "rate", "keep", "seed")
@@ -56,22 +56,21 @@ class TrainingOptions:
     Attributes
     ----------
     steps : int
-        Steps in all; the learning rate falls to zero over them.
+        Total number of optimizer steps; the learning rate falls to zero over them.
     batch : int
-        Drawings in a step.
+        Drawings per step (batch size).
     rate : float
-        Highest learning rate.
+        Peak learning rate.
     warmup : int
-        Steps over which it rises.
+        Steps over which the learning rate rises to its peak.
     decay : float
         Weight decay.
     keep : float
-        Share, in what ships, of the weights it was started from: their mean with the ones they became forgets less of
-        what those were good at.
+        Weight, 0 to 1, of the starting weights in a linear average with the trained ones, to reduce forgetting.
     seed : int
-        Of weights and drawings.
+        Seed for initial weights and drawings.
     shapes, shape_seed : int
-        How many shapes the drawings are of, and their seed.
+        Number of distinct shapes drawn, and the seed that generates them.
     """
 
     steps: int
@@ -89,8 +88,8 @@ class Training:
     """
     A network, its optimizer and how far they are.
 
-    Step k draws its batch from (seed, k) alone: a training that was interrupted goes on as if it had not been. What it
-    was started from, if from anything, is in `earlier`: the record of each training before.
+    Step k draws its batch from (seed, k) alone: an interrupted training resumes as if it had not been interrupted.
+    `earlier` holds the records of the trainings whose weights it was started from, if any.
     """
 
     def __init__(self, task: Task, options: TrainingOptions) -> None:
@@ -202,7 +201,7 @@ class Training:
         return network.eval()
 
     def save(self, path: Path) -> None:
-        """Write a checkpoint, whole or not at all."""
+        """Write a checkpoint atomically."""
         state = {
             **self._told,
             "network": self.network.state_dict(),

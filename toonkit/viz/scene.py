@@ -81,7 +81,7 @@ def height_scene(
     color : ToonImage, optional
         A picture of the same size to paint the surface with; clay if not given.
     size : int, optional
-        Longest side, in samples, of the surface. Larger fields are reduced by whole steps.
+        Longest side, in samples, of the surface. Larger fields are downsampled by an integer factor.
 
     Returns
     -------

@@ -38,12 +38,12 @@ class Check:
     Attributes
     ----------
     says : str
-        What, in words.
+        The statement in words.
     evidence : str
         The numbers.
     outcome : {"holds", "does not hold", "undecided"}
-        Depends on the 95 % interval of the number: it lies entirely on the side that the claim implies, entirely on the
-        other side, or on both. Without an interval, because of too few shapes or color maps, it is undecided.
+        "holds" if the 95 % interval of the number lies entirely on the claimed side, "does not hold" if entirely on the
+        other, else "undecided", also without an interval because of too few shapes or color maps.
     """
 
     says: str

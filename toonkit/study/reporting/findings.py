@@ -81,7 +81,7 @@ def findings(trials: pd.DataFrame, *, generator: np.random.Generator | None = No
     trials : DataFrame
         The study's table, of one light track.
     generator : numpy.random.Generator, optional
-        As in `toonkit.study.reporting.statistics.resample`.
+        Random generator for the bootstrap; seeded by default.
 
     Returns
     -------
@@ -91,7 +91,7 @@ def findings(trials: pd.DataFrame, *, generator: np.random.Generator | None = No
     Raises
     ------
     ToonkitError
-        As `toonkit.study.reporting.cells.cells` does.
+        If the table lacks columns, is empty, mixes light tracks or sizes, or repeats a trial.
     """
     evidence = Evidence(trials, resample(cells(trials, "angular_error"), generator=generator))
     return [claim(evidence) for claim in _CLAIMS]

@@ -150,7 +150,9 @@ def enough(values: FloatArray) -> bool:
 
 def contrast(table: Cells, weights: Mapping[str, float], draws: Resamples) -> Interval:
     """
-    Take the center of a weighted sum of methods, trial by trial: {"todo": 1, "lumo": -1} is their difference.
+    Return the mean (of ratios the median), with its interval, of a weighted sum of methods over paired trials.
+
+    The weights {"todo": 1, "lumo": -1} give the difference of two methods.
 
     Parameters
     ----------
@@ -159,12 +161,12 @@ def contrast(table: Cells, weights: Mapping[str, float], draws: Resamples) -> In
     weights : mapping of str to float
         Method -> weight.
     draws : Resamples
-        Of the same table.
+        Bootstrap resamples of the same table.
 
     Returns
     -------
     Interval
-        Over the pairs that all of these methods completed.
+        Over the pairs of a shape and a color map for which no method failed.
     """
     combined = sum((weight * table.of(method) for method, weight in weights.items()), np.zeros(1))
     return center(np.asarray(combined), draws, median=is_ratio(table.measure))

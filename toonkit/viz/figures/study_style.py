@@ -105,7 +105,7 @@ def dot(axes: Axes, x: ArrayLike, y: ArrayLike, color: str, *, size: float = 4.2
 
 
 def spread(count: int, width: float) -> FloatArray:
-    """Return offsets in -width..width that look like chance and are always the same."""
+    """Return deterministic jitter in [-width, width]."""
     return np.asarray(width * (2.0 * ((np.arange(count) * GOLDEN) % 1.0) - 1.0))
 
 

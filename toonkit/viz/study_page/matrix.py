@@ -34,14 +34,14 @@ NOT_RUN = "not in the table"
 @dataclass(frozen=True, eq=False)
 class TrialMatrix:
     """
-    One number a trial, over shapes and color maps.
+    One value per trial, as a shape by color-map matrix.
 
     Attributes
     ----------
     measure : Measure
         What was measured.
     method, versus : str
-        The method, and the one it is compared with or "".
+        Name of the method, and of the one it is compared with ("" for none).
     shapes, kinds : tuple of str
         Names of the rows, ordered by kind, and their kinds.
     color_maps : tuple of str
@@ -49,14 +49,15 @@ class TrialMatrix:
     ours, theirs : ndarray, shape (S, M)
         The measure of the method and of the other one; NaN where there is none. `theirs` is all NaN without another.
     values : ndarray, shape (S, M)
-        What the heat map shows: the measure or, compared with another method, by how much it is farther from its ideal.
+        What the heat map shows: the measure or, when comparing, the difference of the two methods' distances from the
+        measure's ideal value.
     counted : ndarray of bool, shape (S, M)
-        Cells that the means are over, as in the study's report: those that every method completed or, of a difference,
-        those that both did.
+        Trials included in the means, as in the study's report: those that every method completed or, in a comparison,
+        those that both completed.
     gaps : ndarray of str, shape (S, M)
         Why a value is missing: the error of a failed trial, or `NOT_RUN`; "" where there is one.
     limits : (float, float)
-        Ends of the color scale: those of all methods alike, so that two of them can be compared.
+        Ends of the color scale: shared by all methods so that plots are comparable; a comparison has its own.
     """
 
     measure: Measure
