@@ -11,7 +11,7 @@ from toonkit.estimation.overview import LONGEST, Overview
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.estimation.working_square import WorkingSquare
 
-FROM_THE_RIGHT = np.array([0.8, 0.36, 0.48])
+FROM_ABOVE = np.array([-0.36, 0.8, 0.48])
 """A light under which islands lie as they are drawn."""
 
 
@@ -26,7 +26,7 @@ def seen_in(image: ToonImage) -> Overview:
 
 
 def overview_of(drawing: PreparedDrawing) -> Overview:
-    (paint,) = drawing.posed(FROM_THE_RIGHT).reduced_paint
+    (paint,) = drawing.posed(FROM_ABOVE).reduced_paint
     return Overview.of(paint, drawing.initial_normals.compact)
 
 
@@ -122,7 +122,7 @@ def test_a_drawing_is_reduced_once_and_its_normals_whenever_they_are_given():
     drawing = prepare(image)
     first, second = overview_of(drawing), overview_of(drawing)
     assert second.tones is first.tones
-    (paint,) = drawing.posed(FROM_THE_RIGHT).reduced_paint
+    (paint,) = drawing.posed(FROM_ABOVE).reduced_paint
     flat = Overview.of(paint, np.tile([0.0, 0.6, 0.8], (drawing.grid.size, 1)))
     assert flat.tones is first.tones
     assert np.allclose(flat.initial, [0.0, 0.6, 0.8])

@@ -7,7 +7,7 @@ import toonkit
 from tests.analytic import SOFT, ellipse, painted
 from toonkit import ToonImage, light_direction
 from toonkit.estimation.islands import islands_of, join_vectors
-from toonkit.estimation.turn import AS_DRAWN, TURNS, Turn, turn_to_the_right
+from toonkit.estimation.turn import AS_DRAWN, TURNS, Turn, turn_under_light
 from toonkit.model.loading import load_image
 from toonkit.samples import drawing_path
 
@@ -31,18 +31,18 @@ def test_vectors_turn_with_the_picture_that_they_are_part_of(turn: Turn) -> None
 
 
 @pytest.mark.parametrize("azimuth", [0, 10, 45, 80, 90, 123, 180, 225, 269, 315, 350])
-def test_a_light_comes_to_lie_at_the_right_or_up_to_45_degrees_above(azimuth: float) -> None:
+def test_a_light_comes_to_lie_above_or_up_to_45_degrees_to_the_left(azimuth: float) -> None:
     light = light_direction(azimuth, 30)
-    turned = turn_to_the_right(light, np.array([0.3, -0.1])).vectors(light)
-    assert -1e-9 < np.rad2deg(np.arctan2(turned[1], turned[0])) < 45 + 1e-9
+    turned = turn_under_light(light, np.array([0.3, -0.1])).vectors(light)
+    assert 90 - 1e-9 < np.rad2deg(np.arctan2(turned[1], turned[0])) < 135 + 1e-9
 
 
 def test_a_light_that_leaves_a_choice_leaves_it_to_the_moment() -> None:
-    up = np.array([0.0, 1.0])
+    right, up = np.array([1.0, 0.0]), np.array([0.0, 1.0, 0.0])
     ahead = light_direction(0, 90)
-    assert turn_to_the_right(ahead, up).vectors(np.array([0.0, 1.0, 0.0])) == pytest.approx([1, 0, 0])
-    assert turn_to_the_right(np.array([1.0, 0.0, 0.0]), up) == AS_DRAWN
-    assert turn_to_the_right(np.array([1.0, 0.0, 0.0]), -up) == Turn(flipped=True)
+    assert turn_under_light(ahead, right).vectors(np.array([1.0, 0.0, 0.0])) == pytest.approx([0, 1, 0])
+    assert turn_under_light(up, -right) == AS_DRAWN
+    assert turn_under_light(up, right) == Turn(mirrored=True)
 
 
 @pytest.mark.parametrize("azimuth", [20, 70, 200])

@@ -241,7 +241,7 @@ class PreparedDrawing:
         return NormalField.of_pixels(inflate_islands(self.islands), self.image.mask)
 
     def posed(self, light: FloatArray | None = None) -> Pose:
-        """Turn each island so that its light comes from the right; without a light, what is bright comes to lie there."""
+        """Turn each island so that its light comes from above; without a light, what is bright comes to lie there."""
         towards = np.zeros(3) if light is None else light
         brightness = self.image.pixels @ REC709
         turns = tuple(island.turn_to(towards, brightness) for island in self.islands)

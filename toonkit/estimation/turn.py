@@ -1,5 +1,5 @@
 """
-Quarter turns and reflections: every island is analyzed in the one in which its light falls in from the right.
+Quarter turns and reflections: every island is analyzed in the one in which its light comes from above.
 
 Solvers sweep in rows, blocks begin at a corner, and ties are broken by order. A drawing that is turned or reflected together
 with its light comes to lie as before, so its normals are turned or reflected with it.
@@ -82,16 +82,16 @@ TURNS = tuple(
 """All eight, `AS_DRAWN` first."""
 
 
-def turn_to_the_right(direction: FloatArray, moment: FloatArray) -> Turn:
+def turn_under_light(direction: FloatArray, moment: FloatArray) -> Turn:
     """
-    Find the turn after which a direction points to the right, or up to 45 degrees above.
+    Find the turn after which a direction points up, or up to 45 degrees to the left.
 
     Parameters
     ----------
     direction : ndarray, shape (2,) or (3,)
         x and y, and z, which does not matter. Without length, every turn does.
     moment : ndarray, shape (2,)
-        Of several turns that do, the one after which this vector points farthest to the right, then up.
+        Of several turns that do, the one after which this vector points farthest up, then to the left.
 
     Returns
     -------
@@ -102,10 +102,10 @@ def turn_to_the_right(direction: FloatArray, moment: FloatArray) -> Turn:
 
     def preference(turn: Turn) -> tuple[float, float]:
         along, up, _ = np.round(turn.vectors(np.array([*moment, 0.0])) / size / EXACT) * EXACT
-        return float(along), float(up)
+        return float(up), float(-along)
 
     def fits(turn: Turn) -> bool:
         x, y, _ = turn.vectors(np.array([*direction[:2], 0.0]))
-        return bool(y > -EXACT and x > y - EXACT)
+        return bool(x < EXACT and y > -x - EXACT)
 
     return max(filter(fits, TURNS), key=preference)
