@@ -11,13 +11,13 @@ from toonkit import NormalField, ToonImage, inflate, light_direction
 from toonkit.estimation import light_prior
 from toonkit.estimation.light_prior import (
     CHANNELS,
-    TURNS,
     LightBelief,
     believed_light,
     concentration,
     features,
     turned,
 )
+from toonkit.estimation.turn import TURNS, Turn
 from toonkit.estimation.working_square import SIZE
 
 LIGHT = light_direction(32, 41)
@@ -118,30 +118,30 @@ def test_one_flat_tone_is_no_division_by_zero() -> None:
 
 
 @pytest.mark.parametrize("turn", TURNS)
-def test_what_turns_with_the_drawing_comes_back(turn: tuple[int, bool]) -> None:
+def test_what_turns_with_the_drawing_comes_back(turn: Turn) -> None:
     seen = uninked(*drawing())
     straight = brightest_side(None, seen)
-    answer = light_prior._undone(brightest_side(None, turned(seen, *turn)), *turn)
-    assert answer == pytest.approx(straight, rel=1e-4)
+    answer = turn.vectors_back(brightest_side(None, turned(seen, turn))[:3])
+    assert answer == pytest.approx(straight[:3], rel=1e-4)
 
 
-@pytest.mark.parametrize("turn", TURNS)
-def test_turned_features_are_those_of_a_turned_drawing(turn: tuple[int, bool]) -> None:
+@pytest.mark.parametrize("quarters", range(4))
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_turned_features_are_those_of_a_turned_drawing(mirrored: bool, quarters: int) -> None:
     """Its N0 is inflated anew: no rotation of vectors is taken on trust."""
-    quarters, mirrored = turn
     tones, mask, _ = drawing()
     seen = uninked(tones, mask, np.nan_to_num(inflate(mask).vectors).astype(np.float32))
     tones, mask = (np.rot90(part[:, ::-1] if mirrored else part, quarters) for part in (tones, mask))
     expected = uninked(tones, mask, np.nan_to_num(inflate(mask).vectors).astype(np.float32))
     assert np.allclose(
-        turned(seen, quarters, mirrored), expected, atol=2e-3
+        turned(seen, TURNS[quarters + 4 * mirrored]), expected, atol=2e-3
     )  # the membrane is solved to 1e-5
 
 
 def test_the_eight_turns_are_eight_different_views_and_leave_the_features_alone() -> None:
     seen = uninked(*drawing())
     before = seen.copy()
-    views = [turned(seen, *turn) for turn in TURNS]
+    views = [turned(seen, turn) for turn in TURNS]
     assert np.array_equal(seen, before)
     assert len(views) == 8
     assert all(np.abs(views[i] - views[j]).max() > 0.1 for i in range(8) for j in range(i))

@@ -13,6 +13,7 @@ import pytest
 from tests.training.shapes import ellipsoids
 from toonkit import ToonkitError, inflate, light_direction
 from toonkit.estimation import light_prior
+from toonkit.estimation.turn import TURNS
 from toonkit.estimation.working_square import FILL, SIZE
 from toonkit.training import dataset
 from toonkit.training.dataset import CUT_OFF, Dataset, cut_off, make_dataset
@@ -189,7 +190,7 @@ def test_the_views_are_the_turns_in_which_the_light_prior_asks(variant: int) -> 
         tones = np.where(shape.mask, shape.normals[..., 2] + shape.parts, 0)
         return light_prior.features(tones, shape.mask, shape.contours, shape.initial_normals)
 
-    assert np.array_equal(seen(variant), light_prior.turned(seen(0), *light_prior.TURNS[variant]))
+    assert np.array_equal(seen(variant), light_prior.turned(seen(0), TURNS[variant]))
 
 
 def test_the_eight_views_differ() -> None:

@@ -13,7 +13,7 @@ from scipy.ndimage import find_objects, label
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.silhouette import Silhouette, trace_silhouette
-from toonkit.estimation.turn import AS_DRAWN, Turn, turn_under_light
+from toonkit.estimation.turn import AS_DRAWN, Turn
 from toonkit.numerics.masked_grid import STEPS, Box, IndexArray, MaskedGrid, bounding_box
 
 LEAST_PIXELS = 64
@@ -50,17 +50,13 @@ class Island:
         """The outline, between the pixels."""
         return trace_silhouette(self.grid, self.coverage)
 
-    def turn_to(self, light: FloatArray, brightness: FloatArray) -> Turn:
-        """
-        Return the turn after which the light (3,) comes from above, or up to 45 degrees to the left.
-
-        If the light leaves a choice, what is bright, by numbers (P,) of the object's pixels, comes to lie there.
-        """
+    def moment(self, brightness: FloatArray) -> FloatArray:
+        """Return where the island is bright, by numbers (P,) of the object's pixels: (x, y) from the middle of its box."""
         own = brightness[self.pixels]
         height, width = self.grid.mask.shape
         along = own @ (2.0 * self.grid.columns - (width - 1))
         up = own @ (height - 1 - 2.0 * self.grid.rows)
-        return turn_under_light(light, np.array([along, up]))
+        return np.array([along, up])
 
     def turned(self, turn: Turn) -> Island:
         """Turn an island that lies as drawn."""

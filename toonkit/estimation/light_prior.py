@@ -16,6 +16,7 @@ from toonkit.estimation.convolution import Array, summary
 from toonkit.estimation.overview import Overview
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.estimation.tone_ranks import ToneRanks
+from toonkit.estimation.turn import TURNS, Turn
 from toonkit.estimation.weights import read_weights
 from toonkit.estimation.working_square import WorkingSquare
 from toonkit.model.image import ToonImage
@@ -29,9 +30,6 @@ LEAST_CONCENTRATION = 0.05
 
 CERTAINTIES = (-4.0, 8.0)
 """Limits of the network's fourth number, the logarithm of a concentration."""
-
-TURNS = tuple((quarter, mirrored) for mirrored in (False, True) for quarter in range(4))
-"""Quarter turns and reflections in which the network is evaluated; the results are averaged."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,14 +75,10 @@ def believed_light(drawing: ToonImage | PreparedDrawing, initial_normals: Normal
     drawing = prepare(drawing)
     pose = drawing.posed()
     islands = [pose.islands[k] for k in drawing.telling_islands]
-    overviews = [
-        Overview.of(pose.reduced_paint[k], island.own_vectors(initial_normals.compact))
-        for k, island in zip(drawing.telling_islands, islands, strict=True)
-    ]
-    beliefs = [
-        replace(belief, light=island.turn.vectors_back(belief.light))
-        for island, belief in zip(islands, map(_seen_on, overviews), strict=True)
-    ]
+    beliefs = []
+    for k, island in zip(drawing.telling_islands, islands, strict=True):
+        belief = _seen_on(pose.overview(k, initial_normals))
+        beliefs.append(replace(belief, light=island.turn.vectors_back(belief.light)))
     if len(beliefs) == 1:
         return beliefs[0]
     total = np.average(
@@ -106,11 +100,12 @@ def _seen_on(overview: Overview) -> LightBelief:
         return LightBelief(np.array([0.0, 0.0, 1.0]), LEAST_CONCENTRATION)
     seen = features(drawn.tones, drawn.mask, drawn.ink, drawn.initial)
     weights = read_weights("light_prior")
-    answers = [_undone(summary(weights, turned(seen, *turn)), *turn) for turn in TURNS]
-    means = np.array([answer[:3] / np.linalg.norm(answer[:3]) for answer in answers])
-    total = means.mean(axis=0)
+    # The mean of the answers in all eight turns turns with the drawing.
+    answers = [(turn, summary(weights, turned(seen, turn)).astype(np.float64)) for turn in TURNS]
+    means = [turn.vectors_back(answer[:3] / np.linalg.norm(answer[:3])) for turn, answer in answers]
+    total = np.mean(means, axis=0)
     agreement = float(np.linalg.norm(total))
-    own = float(np.mean([concentration(float(answer[3])) for answer in answers]))
+    own = float(np.mean([concentration(float(answer[3])) for _, answer in answers]))
     # Answers that disagree add their scatter to the variance that each admits.
     return LightBelief(total / agreement, float(1.0 / (1.0 / own + 1.0 - agreement)))
 
@@ -148,21 +143,8 @@ def concentration(raw: float) -> float:
     return float(LEAST_CONCENTRATION + np.exp(np.clip(raw, *CERTAINTIES)))
 
 
-def turned(seen: Array, quarters: int, mirrored: bool) -> Array:
-    """Reflect features left to right, if asked, then turn them counter-clockwise by quarters."""
-    x, y = seen[1], seen[2]
-    if mirrored:
-        seen, x, y = seen[:, :, ::-1], -x[:, ::-1], y[:, ::-1]
-    seen = np.rot90(seen, quarters, axes=(1, 2)).copy()
-    for _ in range(quarters):
-        x, y = -np.rot90(y), np.rot90(x)
-    seen[1], seen[2] = x, y
-    return seen
-
-
-def _undone(answer: Array, quarters: int, mirrored: bool) -> FloatArray:
-    """Turn a prediction (light and concentration) for turned features back to the axes of the picture."""
-    x, y, z, certainty = (float(value) for value in answer)
-    for _ in range(quarters):
-        x, y = y, -x
-    return np.array([-x if mirrored else x, y, z, certainty])
+def turned(seen: Array, turn: Turn) -> Array:
+    """Turn features, N0 among them."""
+    maps = np.moveaxis(turn.picture(np.moveaxis(seen, 0, -1)), -1, 0).copy()
+    maps[1:4] = np.moveaxis(turn.vectors(np.moveaxis(maps[1:4], 0, -1)), -1, 0)
+    return maps

@@ -7,8 +7,9 @@ from functools import cached_property
 
 from toonkit._validation import BoolArray
 from toonkit.estimation.islands import Island
-from toonkit.estimation.overview import ReducedPaint, reduce_paint
+from toonkit.estimation.overview import Overview, ReducedPaint, reduce_paint
 from toonkit.estimation.shading_ratio import GrayPaint, PaintedMaterial, gray_paint
+from toonkit.model.normals import NormalField
 from toonkit.numerics.masked_grid import IndexArray
 
 
@@ -53,3 +54,8 @@ class Pose:
             )
             for island in self.islands
         )
+
+    def overview(self, number: int, initial_normals: NormalField) -> Overview:
+        """Look at one of the islands, with N0 as it is in the picture."""
+        own = self.islands[number].own_vectors(initial_normals.compact)
+        return Overview.of(self.reduced_paint[number], own)

@@ -15,7 +15,7 @@ from toonkit.estimation.islands import MOST, Island, find_islands, with_surround
 from toonkit.estimation.painted_tones import PaintedTones
 from toonkit.estimation.pose import Pose
 from toonkit.estimation.shading_ratio import PaintedMaterial
-from toonkit.estimation.turn import Turn
+from toonkit.estimation.turn import turn_under_light
 from toonkit.illustration.frame import Frame
 from toonkit.illustration.ink import Ink, find_ink, known_ink
 from toonkit.illustration.materials import FoundMaterials, label_materials, shows_one_ramp
@@ -38,7 +38,7 @@ TELLING, TELLING_SHARE = 4, 0.25
 """Islands from which the light is estimated, at most, and the least area of one relative to the largest."""
 
 WHATEVER_IS_TOLD = (
-    "grid", "islands", "telling_islands", "frame", "is_pixel_art", "initial_normals"
+    "grid", "islands", "telling_islands", "_moments", "frame", "is_pixel_art", "initial_normals"
 )  # fmt: skip
 """Parts of a prepared drawing that depend on its picture alone."""
 
@@ -74,7 +74,7 @@ class PreparedDrawing:
     Raises
     ------
     ToonkitError
-        If the object has more than `MOST_PIXELS` pixels, or the materials, the ink or the highlights are none.
+        If the object has more than `MOST_PIXELS` pixels, or the materials, the ink or the highlights are not valid.
     """
 
     def __init__(
@@ -99,7 +99,7 @@ class PreparedDrawing:
         self._given_labels = None if materials is None else as_labels("materials", materials, image.mask)
         self.given_ink = None if ink is None else as_lines("ink", ink, image.mask)
         self.given_highlights = None if highlights is None else as_marks("highlights", highlights, image.mask)
-        self._poses: dict[tuple[Turn, ...], Pose] = {}
+        self._pose: Pose | None = None
 
     def __repr__(self) -> str:
         return f"PreparedDrawing({describe_object(self.mask)})"
@@ -243,13 +243,13 @@ class PreparedDrawing:
     def posed(self, light: FloatArray | None = None) -> Pose:
         """Turn each island so that its light comes from above; without a light, what is bright comes to lie there."""
         towards = np.zeros(3) if light is None else light
-        brightness = self.image.pixels @ REC709
-        turns = tuple(island.turn_to(towards, brightness) for island in self.islands)
-        if turns not in self._poses:
+        turns = [turn_under_light(towards, moment) for moment in self._moments]
+        pose = self._pose  # a thread that poses the drawing for another light may replace it
+        if pose is None or turns != [island.turn for island in pose.islands]:
             islands = tuple(island.turned(turn) for island, turn in zip(self.islands, turns, strict=True))
             labels = self.frame.compact(self._found.labels)
-            self._poses = {turns: Pose(islands, self.painted_materials, self.inked, labels)}
-        return self._poses[turns]
+            pose = self._pose = Pose(islands, self.painted_materials, self.inked, labels)
+        return pose
 
     @cached_property
     def telling_islands(self) -> tuple[int, ...]:
@@ -263,6 +263,12 @@ class PreparedDrawing:
         lower, upper = np.full((2, *self.image.shape), np.nan)
         lower[self.image.mask], upper[self.image.mask] = allowed.lower, allowed.upper
         return IlluminationInterval(lower, upper)
+
+    @cached_property
+    def _moments(self) -> list[FloatArray]:
+        """Where each island is bright."""
+        brightness = np.asarray(self.image.pixels @ REC709)
+        return [island.moment(brightness) for island in self.islands]
 
     @cached_property
     def frame(self) -> Frame:

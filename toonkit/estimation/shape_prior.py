@@ -73,9 +73,8 @@ def correct_shape(
     colored = len(drawing.painted_materials) > 1
     corrected = []
     pose = drawing.posed(light)
-    for island, paint in zip(pose.islands, pose.reduced_paint, strict=True):
-        initial, direction = island.own_vectors(initial_normals.compact), island.turn.vectors(light)
-        overview = Overview.of(paint, initial)
+    for number, island in enumerate(pose.islands):
+        overview, direction = pose.overview(number, initial_normals), island.turn.vectors(light)
         square = WorkingSquare.around(overview.grid, direction[:2])
         views = [
             _View.of(overview, direction, square, colored=colored, wider=wider, mirrored=mirrored)
@@ -85,7 +84,7 @@ def correct_shape(
             np.mean(run_each([view.answer_on_the_finer_square for view in views]), axis=0) * views[0].need()
         )
         spread = square.enlarged(overview.factor).spread(square.turned_back(change), island.grid)
-        corrected.append(moved(island.grid, initial, spread))
+        corrected.append(moved(island.grid, island.own_vectors(initial_normals.compact), spread))
     return NormalField.of_pixels(join_vectors(pose.islands, corrected), initial_normals.mask)
 
 
@@ -115,10 +114,7 @@ def misfit(
     colored = len(drawing.painted_materials) > 1
     pose = drawing.posed()
     islands = [pose.islands[k] for k in drawing.telling_islands]
-    overviews = [
-        Overview.of(pose.reduced_paint[k], island.own_vectors(initial_normals.compact))
-        for k, island in zip(drawing.telling_islands, islands, strict=True)
-    ]
+    overviews = [pose.overview(k, initial_normals) for k in drawing.telling_islands]
 
     def missed(overview: Overview, light: FloatArray) -> float:
         view = _View.of(overview, light, WorkingSquare.around(overview.grid, light[:2]), colored=colored)

@@ -1,5 +1,5 @@
 """
-Quarter turns and reflections: every island is analyzed in the one in which its light comes from above.
+Quarter turns and reflections: each island is analyzed in the one in which its light comes from above.
 
 Solvers sweep in rows, blocks begin at a corner, and ties are broken by order. A drawing that is turned or reflected together
 with its light comes to lie as before, so its normals are turned or reflected with it.
@@ -8,12 +8,14 @@ with its light comes to lie as before, so its normals are turned or reflected wi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
+
+Real = TypeVar("Real", bound=np.floating[Any])
 
 EXACT = 1e-9
 """Difference of two directions, or of two moments relative to their size, that is rounding."""
@@ -50,7 +52,7 @@ class Turn:
         rows, columns = (slice(None, None, -1 if reverse else 1) for reverse in (self.flipped, self.mirrored))
         return np.ascontiguousarray(image[rows, columns])
 
-    def vectors(self, vectors: FloatArray) -> FloatArray:
+    def vectors(self, vectors: NDArray[Real]) -> NDArray[Real]:
         """Turn vectors (..., 3), x to the right and y up, with the picture that they are part of."""
         if self.is_identity:
             return vectors
@@ -59,7 +61,7 @@ class Turn:
             x, y = -y, -x
         return np.stack([-x if self.mirrored else x, -y if self.flipped else y, z], axis=-1)
 
-    def vectors_back(self, vectors: FloatArray) -> FloatArray:
+    def vectors_back(self, vectors: NDArray[Real]) -> NDArray[Real]:
         """Undo `vectors`."""
         if self.is_identity:
             return vectors
@@ -73,13 +75,17 @@ class Turn:
 AS_DRAWN = Turn()
 """Everything stays where it is."""
 
-TURNS = tuple(
-    Turn(transposed, flipped, mirrored)
-    for transposed in (False, True)
-    for flipped in (False, True)
-    for mirrored in (False, True)
+TURNS = (
+    AS_DRAWN,
+    Turn(transposed=True, flipped=True),
+    Turn(flipped=True, mirrored=True),
+    Turn(transposed=True, mirrored=True),
+    Turn(mirrored=True),
+    Turn(transposed=True),
+    Turn(flipped=True),
+    Turn(transposed=True, flipped=True, mirrored=True),
 )
-"""All eight, `AS_DRAWN` first."""
+"""All eight: by 0 to 3 quarters counter-clockwise, and the same of the mirror image."""
 
 
 def turn_under_light(direction: FloatArray, moment: FloatArray) -> Turn:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from toonkit._validation import BoolArray, ToonkitError
 from toonkit.estimation.convolution import Array
 from toonkit.estimation.inflation import inflate
+from toonkit.estimation.turn import TURNS
 from toonkit.estimation.working_square import FILL, SIZE
 from toonkit.export.atomic import atomic_write
 from toonkit.training.families import random_solid
@@ -66,15 +67,11 @@ class Dataset:
 
     def view(self, index: int, variant: int) -> Shape:
         """Return a shape in one of the eight turns and reflections of a square."""
-        places: list[NDArray[Any]] = [self.masks[index], self.contours[index], self.parts[index]]
-        arrays = [field[index].astype(np.float32) for field in (self.normals, self.initial_normals)]
-        if variant >= 4:  # a reflection left to right
-            places = [place[:, ::-1] for place in places]
-            arrays = [array[:, ::-1] * np.array([-1, 1, 1], np.float32) for array in arrays]
-        for _ in range(variant % 4):  # a quarter turn counter-clockwise: (x, y) becomes (-y, x)
-            places = [np.rot90(place) for place in places]
-            arrays = [np.rot90(array)[..., [1, 0, 2]] * np.array([-1, 1, 1], np.float32) for array in arrays]
-        return Shape(*arrays, *places)
+        turn = TURNS[variant]
+        fields = (field[index].astype(np.float32) for field in (self.normals, self.initial_normals))
+        vectors = [turn.vectors(turn.picture(field)) for field in fields]
+        places = [turn.picture(field[index]) for field in (self.masks, self.contours, self.parts)]
+        return Shape(*vectors, *places)
 
 
 def make_dataset(
