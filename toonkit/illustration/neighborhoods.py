@@ -1,4 +1,8 @@
-"""What lies around each pixel of a picture, within a square; pixels beyond its edge do not count."""
+"""
+Dilation, erosion and local range over squares; pixels beyond the edge of the picture do not count.
+
+SciPy's filters give the same values, but take several times as long.
+"""
 
 from __future__ import annotations
 
@@ -6,19 +10,15 @@ import numpy as np
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.numerics.bands import run_in_bands
-from toonkit.numerics.compiled import njit
 
 
 def grown(marked: BoolArray, steps: int) -> BoolArray:
-    """Add to the marked pixels of a picture (H, W) what lies within some steps of one, diagonal ones among them."""
-    along, around = np.empty_like(marked), np.empty_like(marked)
-    run_in_bands(_grow_along_rows, marked, steps, along)
-    run_in_bands(_grow_along_columns, along, steps, around)
-    return around
+    """Dilate the marked pixels of a picture (H, W) by a square that reaches some steps to each side."""
+    return _grown_along_columns(_grown_along_columns(marked, steps).T, steps).T
 
 
 def shrunk(marked: BoolArray, steps: int) -> BoolArray:
-    """Keep of the marked pixels of a picture (H, W) those that have no other one within some steps."""
+    """Erode the marked pixels of a picture (H, W) by a square that reaches some steps to each side."""
     return ~grown(~marked, steps)
 
 
@@ -29,48 +29,33 @@ def range_around(color: FloatArray) -> FloatArray:
     return widest
 
 
-@njit(cache=True, nogil=True)
-def _grow_along_rows(marked, steps, grown, first, last):  # type: ignore[no-untyped-def]
-    width = marked.shape[1]
-    for row in range(first, last):
-        left = 0  # steps that the last marked pixel still reaches
-        for column in range(width):
-            left = steps + 1 if marked[row, column] else left - 1
-            grown[row, column] = left > 0
-        left = 0
-        for column in range(width - 1, -1, -1):
-            left = steps + 1 if marked[row, column] else left - 1
-            grown[row, column] |= left > 0
+def _grown_along_columns(marked: BoolArray, steps: int) -> BoolArray:
+    """Dilate along the first axis: each pass reaches three times as far as the one before."""
+    grown, reach = marked.copy(order="K"), 0
+    while reach < steps:
+        step = min(2 * reach + 1, steps - reach)
+        before = grown.copy(order="K")
+        grown[step:] |= before[:-step]
+        grown[:-step] |= before[step:]
+        reach += step
+    return grown
 
 
-@njit(cache=True, nogil=True)
-def _grow_along_columns(marked, steps, grown, first, last):  # type: ignore[no-untyped-def]
-    height, width = marked.shape
-    left = np.zeros(width, np.int32)
-    for row in range(max(first - steps, 0), last):
-        for column in range(width):
-            left[column] = steps + 1 if marked[row, column] else left[column] - 1
-            if row >= first:
-                grown[row, column] = left[column] > 0
-    left[:] = 0
-    for row in range(min(last + steps, height) - 1, first - 1, -1):
-        for column in range(width):
-            left[column] = steps + 1 if marked[row, column] else left[column] - 1
-            if row < last:
-                grown[row, column] |= left[column] > 0
+def _find_widest(color: FloatArray, widest: FloatArray, first: int, last: int) -> None:
+    """Write the ranges of some rows."""
+    above = min(first, 1)
+    widest[first:last] = 0.0
+    for channel in np.moveaxis(color[first - above : last + 1], 2, 0):
+        greatest, least = (_extreme_around(channel, extreme) for extreme in (np.maximum, np.minimum))
+        spread = (greatest - least)[above : above + last - first]
+        np.maximum(widest[first:last], spread, out=widest[first:last])
 
 
-@njit(cache=True, nogil=True)
-def _find_widest(color, widest, first, last):  # type: ignore[no-untyped-def]
-    height, width, channels = color.shape
-    for row in range(first, last):
-        for column in range(width):
-            most = 0.0
-            for channel in range(channels):
-                least = greatest = color[row, column, channel]
-                for near in range(max(row - 1, 0), min(row + 2, height)):
-                    for beside in range(max(column - 1, 0), min(column + 2, width)):
-                        value = color[near, beside, channel]
-                        least, greatest = min(least, value), max(greatest, value)
-                most = max(most, greatest - least)
-            widest[row, column] = most
+def _extreme_around(channel: FloatArray, extreme: np.ufunc) -> FloatArray:
+    """Return the extreme of each pixel and its eight neighbors."""
+    for _ in range(2):
+        found = channel.copy(order="K")
+        extreme(found[1:], channel[:-1], out=found[1:])
+        extreme(found[:-1], channel[1:], out=found[:-1])
+        channel = found.T
+    return channel
