@@ -20,6 +20,8 @@ LOCAL = ("http://127.0.0.1", "ws://127.0.0.1", "data:", "blob:")
 BALL_SIDE = 128
 """Of the ball with two materials: that of no other drawing."""
 
+BADGE, BALL = (0.6, 0.6), (0.35, 0.35)  # places on its picture, as shares of the sides
+
 # What the relight view knows of Python's state.
 VIEW = """[...Bokeh.documents[0]._all_models.values()]
   .find((model) => model.data?.attributes?.picture_size)?.data"""
@@ -220,6 +222,27 @@ def show_badged_ball(page, _):
         take_all_back(page)
     page.get_by_role("button", name="Materials", exact=True).click()
     wait_until_answered(page)
+
+
+def swatches(page):
+    return page.locator(".swatch:not(.new):not(.ghost):not(.mark)")
+
+
+def button(page, name):
+    where = page.locator(".history" if name in ("Undo", "Redo") else ".tools")
+    return where.get_by_role("button", name=name)
+
+
+def place(page, share):
+    """Where on the screen a place of the picture is."""
+    box = page.locator(".label-map").bounding_box()
+    return box["x"] + share[0] * box["width"], box["y"] + share[1] * box["height"]
+
+
+def settled(page, count):
+    """Wait until so many materials are on screen, as analyzed."""
+    wait_until_answered(page)
+    expect(swatches(page)).to_have_count(count)
 
 
 def take_all_back(page):

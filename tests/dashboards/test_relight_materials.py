@@ -11,11 +11,17 @@ from playwright.sync_api import expect
 
 import toonkit
 from tests.dashboards.driving import (
+    BADGE,
+    BALL,
     BALL_SIDE,
     VIEW,
+    button,
     differ,
+    place,
     relit_pixels,
+    settled,
     sliders,
+    swatches,
     until,
     wait_until_answered,
     wait_until_shown,
@@ -23,23 +29,7 @@ from tests.dashboards.driving import (
 
 pytestmark = pytest.mark.browser
 
-BADGE, BALL = (0.6, 0.6), (0.35, 0.35)  # places on the picture, as shares of its sides
 LIGHT = f"{VIEW}.original_light"
-
-
-def swatches(page):
-    return page.locator(".swatch:not(.new):not(.ghost):not(.mark)")
-
-
-def button(page, name):
-    where = page.locator(".history" if name in ("Undo", "Redo") else ".tools")
-    return where.get_by_role("button", name=name)
-
-
-def place(page, share):
-    """Where on the screen a place of the picture is."""
-    box = page.locator(".label-map").bounding_box()
-    return box["x"] + share[0] * box["width"], box["y"] + share[1] * box["height"]
 
 
 def middle(locator):
@@ -65,12 +55,6 @@ def shown_color(page, share):
 def share_of(page, which):
     """Share of the object, in percent, that a swatch says its material has."""
     return int(swatches(page).nth(which).get_attribute("title").split(",")[1].split("%")[0])
-
-
-def settled(page, count):
-    """Wait until so many materials are on screen, as analyzed."""
-    wait_until_answered(page)
-    expect(swatches(page)).to_have_count(count)
 
 
 def test_a_swatch_pointed_at_shows_its_material_as_drawn_and_veils_the_rest(materials_page):

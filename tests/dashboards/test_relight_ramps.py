@@ -8,14 +8,19 @@ from playwright.sync_api import expect
 
 import toonkit
 from tests.dashboards.driving import (
+    BADGE,
+    BALL,
+    button,
     differ,
+    place,
     relit_pixels,
+    settled,
     sliders,
+    swatches,
     until,
     wait_until_answered,
     wait_until_shown,
 )
-from tests.dashboards.test_relight_materials import BADGE, BALL, button, place, settled, swatches
 
 pytestmark = pytest.mark.browser
 
