@@ -21,7 +21,7 @@ from toonkit.illustration.recoloring import recolor, recolored_materials, textur
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.description import describe_object
 from toonkit.model.image import ToonImage
-from toonkit.model.light import describe_light
+from toonkit.model.light import OPENING_LIGHT, describe_light
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination
@@ -104,7 +104,11 @@ class ToonAnalysis:
         if self.drawn_materials is not None:
             of_type("drawn_materials", self.drawn_materials, Materials)
             if len(self.drawn_materials.color_maps) != self.materials.count:
-                raise refuse("drawn_materials", "must have as many color maps as the materials", "others")
+                raise refuse(
+                    "drawn_materials",
+                    f"must have {self.materials.count} color maps, as many as the materials",
+                    len(self.drawn_materials.color_maps),
+                )
         of_type("report", self.report, SolverReport)
         if self.light_estimate is not None:
             of_type("light_estimate", self.light_estimate, LightEstimate)
@@ -180,9 +184,10 @@ class ToonAnalysis:
 
     @cached_property
     def palette(self) -> Palette | None:
-        """The drawing's own colors, as a ramp for each material; None if there are too many for a palette.
+        """
+        The drawing's own colors, as a ramp for each material; None if there are too many for a palette.
 
-        Materials with other color maps than they are drawn with have none.
+        The ramps of recolored materials are empty.
         """
         palette = find_palette(self.image, self.drawn_materials or self.materials)
         if palette is None or self.drawn_materials is None:
@@ -221,12 +226,12 @@ class ToonAnalysis:
         Returns
         -------
         ToonAnalysis
-            One of the same drawing and shape, whose `materials` have those color maps.
+            The same drawing and shape; its `materials` have those color maps.
 
         Raises
         ------
         ToonkitError
-            If there is no such material, or a ramp is none.
+            If there is no such material, or a ramp is not a `ToneRamp`.
 
         Examples
         --------
@@ -284,7 +289,7 @@ class ToonAnalysis:
 
         save_analysis(self, path)
 
-    def save_html(self, path: str | PathLike[str], light: ArrayLike = (35.0, 40.0)) -> None:
+    def save_html(self, path: str | PathLike[str], light: ArrayLike = OPENING_LIGHT) -> None:
         """
         Write one HTML file that shows the picture under a light that its reader drags, without Python or a network.
 
@@ -298,7 +303,7 @@ class ToonAnalysis:
         Raises
         ------
         ToonkitError
-            If the suffix is another, the light is refused, or the file cannot be written.
+            If the suffix is another, the light is invalid, or the file cannot be written.
         """
         from toonkit.viz.offline_page import write_offline_page  # noqa: PLC0415 - viz stands above analyses
 

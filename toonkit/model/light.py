@@ -9,6 +9,9 @@ from numpy.typing import ArrayLike
 
 from toonkit._validation import FloatArray, ToonkitError, any_array, as_light, is_number, refuse
 
+OPENING_LIGHT = (35.0, 40.0)
+"""Azimuth and elevation, in degrees, of the new light that pages and views open with."""
+
 
 def light_direction(azimuth: float, elevation: float) -> FloatArray:
     """

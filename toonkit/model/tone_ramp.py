@@ -26,8 +26,7 @@ SHORTEST = 0.06
 """Illumination between two tones below which what lies between them is their step, whatever its colors."""
 
 COARSER = 1.4
-"""How much more that is allowed to be each time that a color map takes too many tones."""
-
+"""Factor by which `OFF_RAMP` is raised as long as a color map takes too many tones."""
 
 _COLOR = re.compile("#(?:[0-9a-fA-F]{3}){1,2}")
 
@@ -51,7 +50,8 @@ class ToneRamp:
     Raises
     ------
     ToonkitError
-        If the tones are no colors, do not go from dark to bright, or thresholds and softness are not one for each step.
+        If the tones are not colors or do not go from dark to bright, or thresholds and softness are out of range or not one
+        for each step.
 
     Notes
     -----

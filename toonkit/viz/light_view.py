@@ -10,12 +10,9 @@ from numpy.typing import ArrayLike
 
 from toonkit._validation import of_type
 from toonkit.analysis import ToonAnalysis
-from toonkit.model.light import direction_of, light_angles
+from toonkit.model.light import OPENING_LIGHT, direction_of, light_angles
 from toonkit.viz.relight_page.scripts import VIEW, joined
 from toonkit.viz.relight_page.textures import describe_picture, encode_recolored
-
-OPENING_LIGHT = (35.0, 40.0)
-"""Azimuth and elevation, in degrees, of the light that a view opens with."""
 
 
 class LightView(pn.custom.JSComponent):
@@ -75,7 +72,7 @@ def relight_view(analysis: ToonAnalysis, light: ArrayLike = OPENING_LIGHT, **opt
     Raises
     ------
     ToonkitError
-        If the analysis is none, or the light is refused.
+        If the analysis is not a `ToonAnalysis`, or the light is invalid.
 
     Examples
     --------

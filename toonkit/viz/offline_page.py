@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import json
 import zlib
-from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -55,9 +54,7 @@ document.body.append(render({{model: {{...described, on() {{}}}}}}))
 """
 
 
-def write_offline_page(
-    analysis: ToonAnalysis, path: PathLike, light: ArrayLike, *, light_color: str = "#ffffff", **options: Any
-) -> None:
+def write_offline_page(analysis: ToonAnalysis, path: PathLike, light: ArrayLike) -> None:
     """
     Write a page that shows an analyzed picture under a light that its reader drags.
 
@@ -69,28 +66,23 @@ def write_offline_page(
         Ends in .html.
     light : array_like, shape (3,) or (2,)
         The light to begin with.
-    light_color : str, optional
-        Its color, "#rrggbb".
-    **options
-        `keep_detail`, `flat_shading` and `ambient` of `toonkit.relight`.
 
     Raises
     ------
     ToonkitError
-        If the analysis is none, the light is refused, the suffix is another, or the file cannot be written.
+        If the analysis is not a `ToonAnalysis`, the light is invalid, the suffix is another, or the file cannot be written.
     """
     of_type("analysis", analysis, ToonAnalysis)
     suffix_of(path, (".html",))
     described = {
-        **describe_picture(analysis, keep_detail=options.get("keep_detail", True)),
+        **describe_picture(analysis, keep_detail=True),
         "recolored": encode_recolored(analysis),
         "heading": "Relit",
         "new_light": list(light_angles(direction_of("light", light))),
-        "light_color": light_color,
+        "light_color": "#ffffff",
         "keep_detail": True,
         "flat_shading": 1.0,
         "ambient": 0.0,
-        **options,
     }
     textures = {
         name: base64.b64encode(zlib.compress(described.pop(name), 6)).decode()

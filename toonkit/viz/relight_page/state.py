@@ -23,6 +23,7 @@ import toonkit
 from toonkit import ToonAnalysis, ToonImage
 from toonkit._validation import collect_warnings, refuse
 from toonkit.estimation.preparation import PreparedDrawing
+from toonkit.model.light import OPENING_LIGHT
 from toonkit.model.luminance import color_of_hex
 from toonkit.model.normals import encode_normal_map
 from toonkit.model.tone_ramp import ToneRamp
@@ -52,6 +53,7 @@ DEFAULT_METHOD = "toonkit"
 
 KEPT_CORRECTIONS = 12
 """Drawings of which a visitor's corrections are kept, for coming back to them."""
+
 MOST_FILE_BYTES = 60 * 10**6
 """Largest picture file that a visitor may open."""
 
@@ -94,7 +96,7 @@ class RelightState(param.Parameterized):
         [135.0, 45.0], bounds=(2, 2), doc="Azimuth and elevation of the artist's light, degrees."
     )
     new_light = param.List(
-        [35.0, 40.0], bounds=(2, 2), doc="Azimuth and elevation of the new light, degrees."
+        list(OPENING_LIGHT), bounds=(2, 2), doc="Azimuth and elevation of the new light, degrees."
     )
     keep_detail = param.Boolean(True, doc="Keep what the artist painted on top of the color map.")
     flat_shading = param.Number(1.0, bounds=(0, 1), doc="How much materials in one tone answer to the light.")
