@@ -177,11 +177,12 @@ def test_the_cards_follow_the_drawing_after_a_click_too(relight_page):
     assert until(relight_page, lambda: differ(original_pixels(relight_page), before) > 0.05)
     donut = original_pixels(relight_page)
     upload_ball(relight_page, 96)
-    checked = relight_page.locator('[data-value][aria-checked="true"]')
-    assert until(relight_page, lambda: checked.count() == 1)  # the method
+    checked = relight_page.locator('[aria-label="Sample drawing"] [aria-checked="true"]')
+    assert until(relight_page, lambda: checked.count() == 0)
     relight_page.locator('[data-value="donut"]').click()
     assert until(relight_page, lambda: differ(original_pixels(relight_page), donut) < 0.001)
-    assert checked.count() == 2
+    expect(checked).to_have_count(1)
+    assert checked.get_attribute("data-value") == "donut"
 
 
 def test_an_arrow_key_opens_the_next_sample(relight_page):
