@@ -7,13 +7,13 @@ Relit pictures of such a drawing use the same colors, as its artist would.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
 from toonkit._validation import BoolArray, FloatArray
+from toonkit.illustration.distinct_colors import LEVELS, beside_their_own, distinct_colors
 from toonkit.illustration.flat_shading import LEAST_STEP
 from toonkit.illustration.ramps import out_of_range, shade_cost
 from toonkit.illustration.tones import RADIUS
@@ -23,9 +23,7 @@ from toonkit.model.luminance import luminance, tone
 from toonkit.model.materials import Materials
 from toonkit.model.oklab import off_hue, srgb_to_oklab
 from toonkit.numerics.compiled import njit
-from toonkit.numerics.masked_grid import OUTSIDE, bounding_box
-
-Counts = NDArray[np.intp]
+from toonkit.numerics.masked_grid import bounding_box
 
 FEW_COLORS = 64
 """Most colors of pixel art, counting a color at each opacity separately."""
@@ -35,12 +33,12 @@ FEWEST_PIXELS, MOST_SCATTERED = 4.0, 0.5
 pixels have no neighbor of the same color. A small anti-aliased picture has few colors, too, but most of them are
 mixtures, which are scattered along its edges."""
 
-SAME = 1e-6
-"""Difference in each channel below which colors are equal. Computed colors differ by rounding."""
-
 SMALL, DETAILED = 100, 0.1
 """Size of an object, in pixels, up to which its pixels are visible, and the share of pixels beside another color from
 which this holds for a larger one. Large areas in few colors are clip art. Its flat parts get derived shadows instead."""
+
+SAME = 1e-6
+"""Difference in each channel below which colors are equal. Computed colors differ by rounding."""
 
 MOST_COLORS = 256
 """Most colors of a palette that is requested, as in an indexed picture."""
@@ -102,15 +100,21 @@ def is_pixel_art(image: ToonImage, *, views: int = 1) -> bool:
 
     Where it shows several views of an object side by side, each of its parts has to be small.
     """
-    _, areas, alone, edges = _distinct(image.pixels, image.alpha, image.mask, FEW_COLORS)
-    fringe = image.fringe_colors, image.alpha[image.fringe_places][None]
-    _, beside, _, _ = _distinct(*fringe, np.ones(fringe[1].shape, np.bool_), FEW_COLORS)
-    count, pixels = len(areas) + len(beside), int(areas.sum() + beside.sum())
-    if count > min(FEW_COLORS, pixels / FEWEST_PIXELS) or (2 * alone > areas).mean() > MOST_SCATTERED:
+    opacity, faint = (
+        np.rint(image.alpha[where] * LEVELS).astype(np.int32) for where in (image.mask, image.fringe_places)
+    )
+    inside, which = distinct_colors(image.pixels, opacity, FEW_COLORS)
+    fringe, _ = distinct_colors(image.fringe_colors, faint, FEW_COLORS)
+    pixels = len(image.pixels) + len(image.fringe_colors)
+    if len(inside) + len(fringe) > min(FEW_COLORS, pixels / FEWEST_PIXELS):
+        return False
+    alone, edge = beside_their_own(which, image.mask)
+    areas, scattered = np.bincount(which), np.bincount(which, alone)
+    if (2 * scattered > areas).mean() > MOST_SCATTERED:
         return False
     parts = [bounding_box(image.mask)] if views == 1 else ndimage.find_objects(ndimage.label(image.mask)[0])
     across = max(span.stop - span.start for part in parts for span in part)
-    return across <= SMALL or bool(edges.sum() >= DETAILED * areas.sum())
+    return across <= SMALL or bool(edge.mean() >= DETAILED)
 
 
 def find_palette(image: ToonImage, materials: Materials) -> Palette | None:
@@ -130,10 +134,12 @@ def find_palette(image: ToonImage, materials: Materials) -> Palette | None:
         None if the drawing has more than `MOST_COLORS` colors in one material.
     """
     most = MOST_COLORS * materials.count
-    found, *_ = _distinct(image.pixels, materials.labels, image.mask, most)
-    if len(found) > most:
+    labels = materials.labels[image.mask]
+    firsts, _ = distinct_colors(image.pixels, labels, most)
+    if len(firsts) > most:
         return None
-    ramps = [_ramp(found[found[:, 3] == number, :3], materials, number) for number in range(materials.count)]
+    colors, of = image.pixels[firsts], labels[firsts]
+    ramps = [_ramp(colors[of == number], materials, number) for number in range(materials.count)]
     shades = np.unique(np.concatenate(ramps), axis=0)
     tones, color_maps = list(materials.tones), list(materials.color_maps)
     for number in np.flatnonzero(materials.flat):
@@ -250,61 +256,3 @@ def _round(wanted, drawn, which, ramps, starts, own, rounded):  # type: ignore[n
         )
         if (own and off < best) or not (own or listed):
             rounded[pixel] = drawn[pixel]
-
-
-def _distinct(
-    colors: FloatArray, beside: NDArray[Any], mask: BoolArray, most: int
-) -> tuple[FloatArray, Counts, Counts, Counts]:
-    """
-    List the colors (P, 3) of a mask's pixels together with a number that each has beside its color, of an image (H, W).
-
-    Returns the distinct ones (n, 4), in the order of their first pixels, how many pixels have each, and how many of these
-    have no neighbor with the same, and one with another. Stops as soon as there are more than `most`.
-    """
-    firsts, counts = np.empty(most + 1, np.intp), np.zeros((3, most + 1), np.intp)
-    numbers, index = beside[mask], np.full(mask.shape, OUTSIDE, np.int32)
-    index[mask] = np.arange(len(colors), dtype=np.int32)
-    count = _list(colors, numbers, index.ravel(), mask.shape[1], firsts, *counts)
-    first = firsts[:count]
-    areas, alone, edges = counts[:, :count]
-    return np.column_stack([colors[first], numbers[first]]), areas, alone, edges
-
-
-@njit(cache=True, nogil=True, error_model="numpy", no_cpython_wrapper=True)
-def _alike(color, beside, p, q):  # type: ignore[no-untyped-def]
-    """Tell whether two pixels have the same color and number."""
-    for k in range(3):
-        if abs(color[p, k] - color[q, k]) >= SAME:
-            return False
-    return abs(beside[p] - beside[q]) < SAME
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _list(color, beside, index, width, firsts, areas, alone, edges):  # type: ignore[no-untyped-def]
-    count = place = 0
-    for p in range(index.size):
-        own = index[p]
-        if own < 0:
-            continue
-        for _ in range(count):  # from that of the pixel before, for neighbors are mostly alike
-            if _alike(color, beside, firsts[place], own):
-                break
-            place = (place + 1) % count
-        else:
-            place = count
-            firsts[place] = own
-            count += 1
-        areas[place] += 1
-        same, other = False, False
-        for side in range(4):
-            step = width if side < 2 else 1
-            q = p + step if side & 1 else p - step
-            if 0 <= q < index.size and index[q] >= 0 and (step == width or q // width == p // width):
-                alike = _alike(color, beside, own, index[q])
-                same |= alike
-                other |= not alike
-        alone[place] += not same
-        edges[place] += other
-        if count == firsts.size:
-            break
-    return count
