@@ -1,4 +1,5 @@
 import contextlib
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 
@@ -111,22 +112,35 @@ def blas_threads():
 
 @pytest.mark.parametrize("inside", [contextlib.nullcontext, single_threaded_blas])
 def test_blas_keeps_to_one_thread_and_has_its_own_back_afterwards(inside):
-    with threadpoolctl.threadpool_limits(2, user_api="blas"), ThreadPoolExecutor(1) as pool:
-        with single_threaded_blas(), inside():
+    before = blas_threads()
+    with ThreadPoolExecutor(1) as pool, single_threaded_blas():
+        with inside():
             assert blas_threads() == {1}
-            assert pool.submit(blas_threads).result() == {1}
-        assert blas_threads() == {2}
+        assert blas_threads() == pool.submit(blas_threads).result() == {1}
+    assert blas_threads() == before
 
 
-def test_blas_can_be_held_from_any_thread():
-    def held():
-        before = blas_threads()
+def test_blas_keeps_to_one_thread_until_the_last_of_two_has_left():
+    before, entered, leave = blas_threads(), threading.Event(), threading.Event()
+
+    def hold():
         with single_threaded_blas():
-            inside = blas_threads()
-        return before, inside, blas_threads()
+            entered.set()
+            assert leave.wait(60)
+            return blas_threads()
 
     with ThreadPoolExecutor(1) as pool:
-        for _ in range(2):
-            before, inside, after = pool.submit(held).result()
-            assert inside == {1}
-            assert after == before
+        for last_to_enter_leaves_first in (True, False):
+            entered.clear()
+            leave.clear()
+            other = pool.submit(hold)
+            assert entered.wait(60)
+            with single_threaded_blas():
+                if not last_to_enter_leaves_first:
+                    leave.set()
+                    assert other.result() == {1}
+                assert blas_threads() == {1}
+            assert blas_threads() == ({1} if last_to_enter_leaves_first else before)
+            leave.set()
+            assert other.result() == {1}
+    assert blas_threads() == before

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
@@ -130,11 +131,51 @@ def _call(work: Callable[[], Any]) -> Any:
     return work()
 
 
+class _SharedLimit:
+    """A limit for the whole process, set when the first thread asks for it and lifted when the last one has left."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._holders = 0
+        self._limit = ExitStack()
+
+    def hold(self) -> None:
+        with self._lock:
+            if self._holders == 0:
+                _keeper().submit(self._set).result()
+            self._holders += 1
+
+    def release(self) -> None:
+        with self._lock:
+            self._holders -= 1
+            if self._holders == 0:
+                _keeper().submit(self._limit.close).result()
+
+    def _set(self) -> None:
+        self._limit.enter_context(_libraries().limit(limits=1, user_api="blas"))
+
+
+_SINGLE_THREADED = _SharedLimit()
+
+
+@cache
+def _keeper() -> ThreadPoolExecutor:
+    """Return the thread that sets the limit: threadpoolctl lets no other lift it."""
+    return ThreadPoolExecutor(1, "toonkit-blas")
+
+
 @contextmanager
 def single_threaded_blas() -> Iterator[None]:
-    """Keep BLAS to the core that calls it: threads of its own go on spinning on the others long after they are done."""
-    with _libraries().limit(limits=1, user_api="blas"):
+    """
+    Keep BLAS to the core that calls it: threads of its own go on spinning on the others long after they are done.
+
+    The limit holds until all threads that asked for it have left. With more threads BLAS would round otherwise.
+    """
+    _SINGLE_THREADED.hold()
+    try:
         yield
+    finally:
+        _SINGLE_THREADED.release()
 
 
 @cache
@@ -172,3 +213,4 @@ def _helpers() -> ThreadPoolExecutor:
 
 if hasattr(os, "register_at_fork"):  # a forked process has none of its parent's threads
     os.register_at_fork(after_in_child=_helpers.cache_clear)
+    os.register_at_fork(after_in_child=_keeper.cache_clear)

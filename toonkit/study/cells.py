@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from toonkit._validation import ToonkitError
 from toonkit.estimation.preparation import prepare
@@ -15,6 +14,7 @@ from toonkit.methods import METHODS
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
 from toonkit.model.light import light_direction
+from toonkit.numerics.bands import single_threaded_blas
 from toonkit.study.contestants import Contestant
 from toonkit.study.plan import StudyPlan
 from toonkit.study.provenance import installed_toonkit
@@ -110,7 +110,7 @@ def measure(truth: Truth, cell: Cell) -> list[Record]:
         return cell.failed(f"{type(truth).__name__}: {truth}")
     # The order of summation in a matrix product depends on the number of threads. The same trial must give the same
     # numbers in any process.
-    with threadpool_limits(1, user_api="blas"):
+    with single_threaded_blas():
         _warm_up()
         painting = paint(truth, cell.color_map, cell.settings)
         return [
