@@ -21,7 +21,7 @@ from benchmarks.shape_rows import Row, measured_rows, write_rows
 from toonkit import METHODS, ToonAnalysis
 from toonkit.estimation.color_map_fit import allowed_interval, painted_interval
 from toonkit.estimation.energy import RefinementOptions
-from toonkit.estimation.refinement import Refinement, refine_islands
+from toonkit.estimation.refinement import Refinement, build_energies, refine_islands
 from toonkit.estimation.shape_prior import correct_shape
 from toonkit.methods import Method
 from toonkit.methods.steps import inflate_drawing
@@ -79,10 +79,10 @@ def varied(
     if color_map is None:
         return steps.finish("varied", steps.refine(corrected, None, options))
     allowed = allowed_interval(steps.drawing.tones, color_map)
-    refinement = refine_islands(
-        steps.drawing.posed(steps.light).islands, corrected, steps.light, allowed,
-        painted=painted_interval(steps.drawing.tones, color_map, allowed), options=options,
-    )  # fmt: skip
+    islands = steps.drawing.posed(steps.light).islands
+    painted = painted_interval(steps.drawing.tones, color_map, allowed)
+    energies = build_energies(islands, corrected, steps.light, allowed, options, painted=painted)
+    refinement = refine_islands(islands, energies, steps.drawing.mask, options)
     analysis = steps.finish("varied", refinement)
     return replace(analysis, materials=Materials.single(steps.drawing.mask, color_map))
 

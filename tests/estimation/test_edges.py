@@ -10,7 +10,7 @@ from toonkit import METHODS, NormalField, RefinementOptions, ToonImage, ToonkitE
 from toonkit.estimation.color_map_fit import allowed_interval, painted_interval
 from toonkit.estimation.edges import edge_links
 from toonkit.estimation.preparation import prepare
-from toonkit.estimation.refinement import refine_islands
+from toonkit.estimation.refinement import build_energies
 from toonkit.methods import steps
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.numerics.masked_grid import OUTSIDE, RIGHT, MaskedGrid
@@ -141,12 +141,13 @@ def test_an_analysis_tells_edges_by_colors_without_their_mixtures(monkeypatch):
 
     def watched(*arguments, painted, **others):
         seen.append((arguments[3], painted))
-        return refine_islands(*arguments, painted=painted, **others)
+        return build_energies(*arguments, painted=painted, **others)
 
-    monkeypatch.setattr(steps, "refine_islands", watched)
+    monkeypatch.setattr(steps, "build_energies", watched)
     METHODS["classical"](image, LIGHT)
     ((allowed, painted),) = seen
-    mixed = prepare(image).tones.mixed
+    tones = prepare(image).tones
+    mixed = tones.plain != tones.tone
     assert mixed.sum() == 12
     assert (
         painted.lower[mixed] > allowed.lower[mixed] + 0.1

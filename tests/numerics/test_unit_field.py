@@ -12,6 +12,7 @@ from toonkit.numerics.change_energy import ChangeEnergy
 from toonkit.numerics.masked_grid import MaskedGrid
 from toonkit.numerics.unit_field import solve_unit_field
 from toonkit.numerics.unit_field_cycle import Level, cycle
+from toonkit.numerics.unit_vectors import unit_vectors
 
 
 def random_problem(seed: int, size: int = 16) -> ChangeEnergy:
@@ -69,6 +70,21 @@ def test_the_solver_reaches_the_energy_of_a_general_minimizer_and_never_ends_abo
     assert (np.diff(report.energies) <= 0).all()
     assert report.energies[0] == pytest.approx(energy.value(energy.start), rel=1e-12)
     assert report.energies[-1] == pytest.approx(energy.value(field), rel=1e-12)
+
+
+@pytest.mark.usefixtures("several_grids")
+@pytest.mark.parametrize("seed", range(4))
+def test_a_problem_stored_in_32_bits_has_the_answer_of_64(seed):
+    energy = random_problem(seed)
+    short = {
+        name: getattr(energy, name).astype(np.float32)
+        for name in ("start", "lower", "upper", "weight", "ties")
+    }
+    exact, _ = solve_unit_field(energy, tolerance=1e-3)
+    stored, _ = solve_unit_field(replace(energy, **short), tolerance=1e-3)
+    assert stored.dtype == np.float32
+    turned = np.rad2deg(np.linalg.norm(exact - unit_vectors(stored), axis=1))
+    assert turned.max() < 0.02
 
 
 @pytest.mark.usefixtures("several_grids")

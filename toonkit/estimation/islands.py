@@ -92,7 +92,7 @@ def join(islands: tuple[Island, ...], fields: Sequence[FloatArray]) -> FloatArra
     """Put fields (p, ...) of an object's islands together to one of the whole object, (P, ...)."""
     if isinstance(islands[0].pixels, slice):
         return fields[0]
-    whole = np.empty((sum(map(len, fields)), *fields[0].shape[1:]))
+    whole = np.empty((sum(map(len, fields)), *fields[0].shape[1:]), fields[0].dtype)
     for island, field in zip(islands, fields, strict=True):
         whole[island.pixels] = field
     return whole

@@ -24,10 +24,12 @@ from toonkit.estimation.islands import Island, islands_of, join_vectors
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.light import direction_of
 from toonkit.model.normals import NormalField
+from toonkit.numerics.change_energy import ChangeEnergy
 from toonkit.numerics.gauss_seidel import over_relaxed_sweeps
 from toonkit.numerics.report import SolverReport, join_reports
 from toonkit.numerics.smoothness_energy import SmoothnessEnergy
 from toonkit.numerics.unit_field import solve_unit_field
+from toonkit.numerics.unit_vectors import unit_vectors
 
 Progress = Callable[[float], None]
 
@@ -121,40 +123,51 @@ def refine(
     coverage = (
         mask.astype(np.float64) if alpha is None else as_coverage("alpha", alpha, initial_normals.shape)
     )
-    return refine_islands(
-        islands_of(mask, coverage), initial_normals, direction, allowed,
-        options=options, guess=guess, progress=progress,
+    islands, weights = islands_of(mask, coverage), RefinementOptions() if options is None else options
+    energies = build_energies(islands, initial_normals, direction, allowed, weights)
+    return refine_islands(islands, energies, mask, weights, guess=guess, progress=progress)
+
+
+def build_energies(
+    islands: tuple[Island, ...],
+    initial_normals: NormalField,
+    light: FloatArray,
+    allowed: IlluminationInterval,
+    options: RefinementOptions,
+    *,
+    painted: IlluminationInterval | None = None,
+) -> tuple[ChangeEnergy, ...]:
+    """
+    Build the energy of each of an object's islands; see `refine`. Nothing that it is built from is needed after that.
+
+    Here the light is a unit vector, and intervals have bounds of shape (P,); for `painted` see
+    `toonkit.estimation.energy.change_energy`.
+    """
+    return tuple(
+        change_energy(
+            island.grid, island.silhouette, island.own_vectors(initial_normals.compact),
+            island.turn.vectors(light), _select(allowed, island.pixels), options,
+            painted=None if painted is None else _select(painted, island.pixels),
+        )
+        for island in islands
     )  # fmt: skip
 
 
 def refine_islands(
     islands: tuple[Island, ...],
-    initial_normals: NormalField,
-    light: FloatArray,
-    allowed: IlluminationInterval,
+    energies: tuple[ChangeEnergy, ...],
+    mask: BoolArray,
+    options: RefinementOptions,
     *,
-    painted: IlluminationInterval | None = None,
-    options: RefinementOptions | None = None,
     guess: NormalField | None = None,
     progress: Progress | None = None,
 ) -> Refinement:
-    """
-    Refine the normals of an object's islands separately; see `refine`.
-
-    Here the light is a unit vector, and intervals have bounds of shape (P,); for `painted` see
-    `toonkit.estimation.energy.change_energy`.
-    """
-    options = RefinementOptions() if options is None else options
+    """Minimize the energies of an object's islands, those of `build_energies`, one after the other; see `refine`."""
     tell = progress if progress is not None else _no_progress
-    whole, done = len(initial_normals.compact), 0
+    whole, done = sum(energy.grid.size for energy in energies), 0
     fields, reports = [], []
-    for island in islands:
-        size, pixels = island.grid.size, island.pixels
-        energy = change_energy(
-            island.grid, island.silhouette, island.own_vectors(initial_normals.compact),
-            island.turn.vectors(light), _select(allowed, pixels), options,
-            painted=None if painted is None else _select(painted, pixels),
-        )  # fmt: skip
+    for island, energy in zip(islands, energies, strict=True):
+        size = energy.grid.size
         field, report = solve_unit_field(
             energy,
             guess=None if guess is None else island.own_vectors(guess.compact),
@@ -166,7 +179,7 @@ def refine_islands(
         reports.append(report)
         done += size
     return Refinement(
-        NormalField.of_pixels(join_vectors(islands, fields), initial_normals.mask), join_reports(reports)
+        NormalField.of_pixels(unit_vectors(join_vectors(islands, fields)), mask), join_reports(reports)
     )
 
 

@@ -13,7 +13,7 @@ from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.color_map_fit import allowed_intervals, fit_materials, painted_intervals
 from toonkit.estimation.energy import RefinementOptions, printed_energy
 from toonkit.estimation.preparation import PreparedDrawing, prepare
-from toonkit.estimation.refinement import Refinement, refine_islands
+from toonkit.estimation.refinement import Refinement, build_energies, refine_islands
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.light import direction_of
@@ -79,14 +79,16 @@ class Steps:
         self, normals: NormalField, previous: ToonAnalysis | None, options: RefinementOptions | None = None
     ) -> Refinement:
         """Fit the color maps to normals and refine them (Sections 3.2 and 3.3), from an earlier answer if there is one."""
+        weights = RefinementOptions() if options is None else options
+        islands = self.drawing.posed(self.light).islands
         allowed, painted = self.fit_intervals(normals)
+        energies = build_energies(islands, normals, self.light, allowed, weights, painted=painted)
+        del allowed, painted, normals  # the solver needs the memory
         return refine_islands(
-            self.drawing.posed(self.light).islands,
-            normals,
-            self.light,
-            allowed,
-            painted=painted,
-            options=options,
+            islands,
+            energies,
+            self.drawing.mask,
+            weights,
             guess=None if previous is None else previous.normals,
             progress=self.refining,
         )

@@ -55,5 +55,7 @@ def toonkit(
     steps = inflate_drawing(drawing, light, progress)
     if progress is not None:
         progress("correcting the shape", INFLATED / 2)
-    corrected = correct_shape(steps.drawing, steps.light, steps.initial_normals)
-    return steps.finish("toonkit", steps.refine(corrected, previous, OPTIONS))
+    refinement = steps.refine(
+        correct_shape(steps.drawing, steps.light, steps.initial_normals), previous, OPTIONS
+    )
+    return steps.finish("toonkit", refinement)

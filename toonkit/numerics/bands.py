@@ -88,7 +88,7 @@ def inner(a: NDArray[Any], b: NDArray[Any]) -> float:
 
     BLAS would leave its threads spinning on the other cores, and would round otherwise on other machines.
     """
-    flat = [np.ascontiguousarray(field).view(np.float64).ravel() for field in (a, b)]
+    flat = [np.ascontiguousarray(field).view(np.empty(0, field.dtype).real.dtype).ravel() for field in (a, b)]
     cuts = [len(flat[0]) * k // MOST for k in range(MOST + 1)]
     if len(flat[0]) < BAND:
         return float(_inner(*flat, 0, len(flat[0])))

@@ -54,8 +54,6 @@ class MaskedGrid:
         Position of each pixel.
     index : ndarray, shape (H, W)
         Compact index of each pixel of the picture; `OUTSIDE` off the mask.
-    neighbors : ndarray, shape (P, 4)
-        Compact index of the right, upper, left and lower neighbor; `OUTSIDE` where that is not on the mask.
     """
 
     def __init__(self, mask: BoolArray) -> None:
@@ -65,15 +63,26 @@ class MaskedGrid:
         self.size = len(place)
         row, column = np.divmod(place, width)
         self.rows, self.columns = row.astype(np.int32), column.astype(np.int32)
-        framed = np.full((height + 2, width + 2), OUTSIDE, dtype=np.int32)
-        self.index: IndexArray = framed[1:-1, 1:-1]
+        self._framed: IndexArray = np.full((height + 2, width + 2), OUTSIDE, dtype=np.int32)
+        self.index: IndexArray = self._framed[1:-1, 1:-1]
         # Flat indices do the same several times as fast as pairs of them.
-        flat, stride = framed.ravel(), width + 2
-        place += 2 * row + (stride + 1)
-        flat[place] = np.arange(self.size, dtype=np.int32)
-        self.neighbors: IndexArray = np.empty((self.size, len(STEPS)), np.int32)
+        place += 2 * row + (width + 3)
+        self._framed.ravel()[place] = np.arange(self.size, dtype=np.int32)
+
+    @cached_property
+    def neighbors(self) -> IndexArray:
+        """Compact index of the right, upper, left and lower neighbor, (P, 4); `OUTSIDE` where that is not on the mask."""
+        flat, stride = self._framed.ravel(), self._framed.shape[1]
+        place = self.rows.astype(np.intp) * stride + self.columns + (stride + 1)
+        neighbors: IndexArray = np.empty((self.size, len(STEPS)), np.int32)
         for direction, (down, along) in enumerate(STEPS):
-            self.neighbors[:, direction] = flat[place + (down * stride + along)]
+            neighbors[:, direction] = flat[place + (down * stride + along)]
+        return neighbors
+
+    def release(self) -> None:
+        """Free what solvers need and what can be made again: the neighbors and the coarser grids."""
+        for name in ("neighbors", "coarsening"):
+            self.__dict__.pop(name, None)
 
     @cached_property
     def rim(self) -> BoolArray:
@@ -181,9 +190,9 @@ class Coarsening:
     parent: IndexArray
 
     def sums(self, values: FloatArray) -> FloatArray:
-        """Sum values, (P,) or (P, C), over each block."""
+        """Sum values, (P,) or (P, C), over each block, in their own precision."""
         columns = values.reshape(len(values), -1)
-        sums = np.zeros((self.coarse.size, columns.shape[1]))
+        sums = np.zeros((self.coarse.size, columns.shape[1]), columns.dtype)
         self.fine.bands.run(_add_to_blocks, self.parent, columns, sums)
         return sums.reshape(-1, *values.shape[1:])
 

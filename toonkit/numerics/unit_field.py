@@ -6,11 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from toonkit._validation import FloatArray
 from toonkit.numerics.bands import inner
 from toonkit.numerics.report import SolverReport
 from toonkit.numerics.unit_field_cycle import Level, correct, from_coarser_grids
-from toonkit.numerics.unit_vectors import UnitVectorEnergy, moved
+from toonkit.numerics.unit_vectors import Stored, UnitVectorEnergy, moved
 
 LEVEL, TRIALS = 0.3, 4
 """Share of the first slope that is left where a step is long enough, and how many lengths are tried."""
@@ -22,12 +21,12 @@ LONGEST_STEP = 2.0
 def solve_unit_field(
     problem: UnitVectorEnergy,
     *,
-    guess: FloatArray | None = None,
+    guess: Stored | None = None,
     tolerance: float = 1e-6,
     negligible: float = 0.0,
     max_cycles: int = 100,
     progress: Callable[[float], None] | None = None,
-) -> tuple[FloatArray, SolverReport]:
+) -> tuple[Stored, SolverReport]:
     """
     Minimize from the start, or from a guess that coarser grids have improved: whichever has the lower energy.
 
@@ -49,7 +48,7 @@ def solve_unit_field(
     Returns
     -------
     field : ndarray, shape (P, 3)
-        Unit vectors.
+        Unit vectors, in the precision of the start.
     report : SolverReport
         Iterations are cycles; energies are those of the start, of where the first cycle starts, and after each cycle.
 
@@ -67,16 +66,21 @@ def solve_unit_field(
     """
     tell = progress if progress is not None else _ignored
     finest = Level.finest(problem)
-    near = problem.start if guess is None else moved(problem.grid, guess, guess)
+    kind = problem.start.dtype
+    near = problem.start
+    if guess is not None:
+        near = moved(problem.grid, *2 * (guess.astype(kind, copy=False),))
     starts = [problem.start, from_coarser_grids(finest, near)]
-    gradients = np.empty((2, *problem.start.shape))
+    gradients = np.empty((2, *problem.start.shape), kind)
     energies = [
         problem.value_and_gradient(problem.posed, *pair) for pair in zip(starts, gradients, strict=True)
     ]
     best = int(np.argmin(energies))
     energies[1] = energies[best]
     tell(0.2)
-    field = starts[1] if best else problem.start.copy()
+    field = starts[1]
+    if best == 0:
+        field[:] = problem.start
     descent = _Descent(finest, field, gradients[best], gradients[1 - best], energies[1])
     gained = True
     while gained and len(energies) - 2 < max_cycles:
@@ -95,12 +99,10 @@ def solve_unit_field(
 class _Descent:
     """Conjugate gradients, preconditioned by a V-cycle, on the finest grid."""
 
-    def __init__(
-        self, finest: Level, field: FloatArray, gradient: FloatArray, spare: FloatArray, energy: float
-    ) -> None:
+    def __init__(self, finest: Level, field: Stored, gradient: Stored, spare: Stored, energy: float) -> None:
         self.finest, self.field, self.gradient, self.energy = finest, field, gradient, energy
         self._trial = np.empty_like(field)
-        self._step: FloatArray | None = None
+        self._step: Stored | None = None
         self._gradient_before = spare
         self._slope_before = 0.0
 
@@ -110,7 +112,7 @@ class _Descent:
         improved = self._trial
         improved[:] = self.field
         correct(finest, finest.problem.posed, improved, self.gradient, self.energy)
-        step = np.subtract(improved, self.field, out=finest.room("step"))
+        step = np.subtract(improved, self.field, out=finest.room("slopes"))
         along = inner(self.gradient, step)
         first = along
         if self._step is not None:
@@ -149,7 +151,7 @@ class _Descent:
             tried(best)
         self._gradient_before, self.gradient = self.gradient, slopes
         if step is not self._step:
-            finest.exchange("step", self._step)
+            finest.exchange("slopes", self._step)
             self._step = step
         self._slope_before = first
         self.field, self._trial, self.energy = trial, self.field, lowest

@@ -12,10 +12,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from toonkit._validation import FloatArray
 from toonkit.numerics.bands import inner
 from toonkit.numerics.change_kernels import gather_blocks, retract
-from toonkit.numerics.unit_vectors import NO_SOURCE, Terms, UnitVectorEnergy, moved
+from toonkit.numerics.unit_vectors import Stored, Terms, UnitVectorEnergy, moved
 
 COARSEST_SIZE = 1000
 """Maximum size of the coarsest grid, in pixels. On coarser grids one vector would represent too much of the curvature."""
@@ -42,7 +41,7 @@ class Level:
 
     problem: UnitVectorEnergy
     coarser: Level | None
-    _workspace: dict[str, FloatArray] = field(default_factory=dict)
+    _workspace: dict[str, Stored] = field(default_factory=dict)
 
     @classmethod
     def finest(cls, problem: UnitVectorEnergy) -> Level:
@@ -51,32 +50,32 @@ class Level:
             return cls(problem, None)
         return cls(problem, cls.finest(problem.coarsened()))
 
-    def room(self, name: str) -> FloatArray:
+    def room(self, name: str) -> Stored:
         """Return a reused buffer for a vector field. Allocating a new one would cost more than the computation."""
         if name not in self._workspace:
             self._workspace[name] = np.empty_like(self.problem.start)
         return self._workspace[name]
 
-    def exchange(self, name: str, memory: FloatArray | None) -> None:
+    def exchange(self, name: str, memory: Stored | None) -> None:
         """Replace a buffer, because the caller keeps the old one; None allocates a new one on demand."""
         self._workspace.pop(name, None)
         if memory is not None:
             self._workspace[name] = memory
 
-    def cleared(self, name: str, count: int) -> FloatArray:
+    def cleared(self, name: str, count: int) -> Stored:
         """Return a reused buffer of shape (count, P), set to zero."""
         if name not in self._workspace:
-            self._workspace[name] = np.empty((count, self.problem.grid.size))
+            self._workspace[name] = np.empty((count, self.problem.grid.size), self.problem.start.dtype)
         self._workspace[name].fill(0.0)
         return self._workspace[name]
 
-    def retracted(self, field: FloatArray, step: FloatArray, length: float, out: FloatArray) -> FloatArray:
+    def retracted(self, field: Stored, step: Stored, length: float, out: Stored) -> Stored:
         """Write the unit vectors of `field + length * step` to `out`, and return it; it may be one of the two."""
         self.problem.grid.bands.run(retract, field, step, length, out)
         return out
 
 
-def from_coarser_grids(level: Level, guess: FloatArray) -> FloatArray:
+def from_coarser_grids(level: Level, guess: Stored) -> Stored:
     """
     Return a guess (P, 3) improved by nested iteration.
 
@@ -94,7 +93,7 @@ def from_coarser_grids(level: Level, guess: FloatArray) -> FloatArray:
     return level.retracted(guess, change, 1.0, change)
 
 
-def cycle(level: Level, terms: Terms, field: FloatArray) -> None:
+def cycle(level: Level, terms: Terms, field: Stored) -> None:
     """Improve a field in place: pre-smooth, apply the coarse-grid correction, post-smooth in the opposite order."""
     if level.coarser is None:
         for _ in range(COARSEST_SWEEPS):
@@ -102,12 +101,12 @@ def cycle(level: Level, terms: Terms, field: FloatArray) -> None:
             level.problem.relax(terms, field, backward=True)
         return
     level.problem.relax(terms, field, backward=False)
-    gradient = level.room("gradient")
+    gradient = level.room("slopes")
     energy = level.problem.value_and_gradient(terms, field, gradient)
     correct(level, terms, field, gradient, energy)
 
 
-def correct(level: Level, terms: Terms, field: FloatArray, gradient: FloatArray, energy: float) -> None:
+def correct(level: Level, terms: Terms, field: Stored, gradient: Stored, energy: float) -> None:
     """Apply the coarse-grid correction to a field whose gradient is known, in place, then post-smooth."""
     coarse = level.coarser
     if coarse is None:
@@ -118,18 +117,20 @@ def correct(level: Level, terms: Terms, field: FloatArray, gradient: FloatArray,
     change[:] = start
     cycle(coarse, its_terms, change)
     change -= start
-    step = level.problem.grid.coarsening.interpolated(change, level.room("step"))
     fits = len(field) >= level.problem.fitting_from
+    # If its length is not looked for, the gradient has done its work.
+    room = level.room("slopes" if fits else "step")
+    step = level.problem.grid.coarsening.interpolated(change, room)
     length = 1.0 if fits else _fitting_length(level, terms, field, step, gradient, energy)
     level.retracted(field, step, length, field)
     level.problem.relax(terms, field, backward=True)
 
 
 def _restricted(
-    level: Level, coarse: Level, terms: Terms, field: FloatArray, gradient: FloatArray
-) -> tuple[FloatArray, Terms]:
+    level: Level, coarse: Level, terms: Terms, field: Stored, gradient: Stored
+) -> tuple[Stored, Terms]:
     """Return the unit mean vectors of the blocks, and the coarse terms including the tau correction."""
-    direction = level.problem.direction
+    direction = level.problem.direction.astype(field.dtype)
     hold, target, lower, upper, weight = coarse.cleared("components", 5)
     start, slopes = coarse.room("start"), coarse.room("slopes")
     start.fill(0.0)
@@ -146,7 +147,7 @@ def _restricted(
         np.divide(bound, weight, out=bound, where=~free)
         wider(bound, target, out=bound)
         bound[free] = widest
-    terms = Terms(lower, upper, weight, hold, target, NO_SOURCE)
+    terms = Terms(lower, upper, weight, hold, target, terms.source[:0])
     source = coarse.room("source")
     coarse.problem.value_and_gradient(terms, start, source)
     source -= slopes
@@ -154,7 +155,7 @@ def _restricted(
 
 
 def _fitting_length(
-    level: Level, terms: Terms, field: FloatArray, step: FloatArray, gradient: FloatArray, energy: float
+    level: Level, terms: Terms, field: Stored, step: Stored, gradient: Stored, energy: float
 ) -> float:
     """
     Return the step length that minimizes a parabola, at most `LONGEST_CORRECTION`.

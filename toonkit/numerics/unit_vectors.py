@@ -7,13 +7,16 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
+from toonkit.numerics.bands import run_in_pieces
 from toonkit.numerics.change_kernels import retract
 from toonkit.numerics.masked_grid import Coarsening, MaskedGrid
 
-NOT_HELD, NO_SOURCE = np.zeros(0), np.zeros((0, 3))
-"""What stands in `Terms` where nothing is held, and where there is no linear term."""
+Stored = NDArray[Any]
+"""float64, or float32: a solver reads and writes so much that half the memory takes less time, too. Loops compute with what
+they store, and add up energies in float64."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,12 +34,12 @@ class Terms:
         Linear term; of shape (0, 3) where there is none.
     """
 
-    lower: FloatArray
-    upper: FloatArray
-    weight: FloatArray
-    hold: FloatArray
-    target: FloatArray
-    source: FloatArray
+    lower: Stored
+    upper: Stored
+    weight: Stored
+    hold: Stored
+    target: Stored
+    source: Stored
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +48,8 @@ class UnitVectorEnergy(ABC):
     An energy of unit vectors with z >= 0: a penalty on one component of each, and what holds them together.
 
     The penalty is w_p times the squared distance of u · n_p to an interval, summed over the pixels. `value` and `gradient`
-    are there to be read and to check others against; minimizers use the compiled methods.
+    are there to be read and to check others against; minimizers use the compiled methods. All arrays of pixels but links are
+    of the type of `start`, and so are the fields that minimizers ask about.
 
     Attributes
     ----------
@@ -66,16 +70,17 @@ class UnitVectorEnergy(ABC):
     fitting_from: ClassVar[float]
 
     grid: MaskedGrid
-    start: FloatArray
+    start: Stored
     direction: FloatArray
-    lower: FloatArray
-    upper: FloatArray
-    weight: FloatArray
+    lower: Stored
+    upper: Stored
+    weight: Stored
 
     @property
     def posed(self) -> Terms:
         """The terms of the energy itself."""
-        return Terms(self.lower, self.upper, self.weight, NOT_HELD, NOT_HELD, NO_SOURCE)
+        not_held, no_source = np.empty(0, self.start.dtype), np.empty((0, 3), self.start.dtype)
+        return Terms(self.lower, self.upper, self.weight, not_held, not_held, no_source)
 
     def excess(self, field: FloatArray) -> FloatArray:
         """Signed distance of the component of vectors (P, 3) to its interval, zero inside, shape (P,)."""
@@ -124,8 +129,20 @@ class UnitVectorEnergy(ABC):
         }
 
 
-def moved(grid: MaskedGrid, field: FloatArray, step: FloatArray) -> FloatArray:
+def moved(grid: MaskedGrid, field: Stored, step: Stored) -> Stored:
     """Return the unit vectors (P, 3) of a field plus a step, z >= 0; one that vanishes becomes (0, 0, 1)."""
     out = np.empty_like(field)
     grid.bands.run(retract, field, step, 1.0, out)
     return out
+
+
+def unit_vectors(field: Stored) -> FloatArray:
+    """Return a field (P, 3) of unit vectors that are stored with less precision as such of float64."""
+    vectors = np.empty(field.shape)
+    run_in_pieces(_normalize, len(field), field, vectors)
+    return vectors
+
+
+def _normalize(field: Stored, vectors: FloatArray, piece: slice) -> None:
+    exact = field[piece].astype(np.float64)
+    vectors[piece] = exact / np.linalg.norm(exact, axis=1, keepdims=True)
