@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
+from toonkit.numerics.bands import run_in_pieces
 
 _NORMAL_STEPS = 32767
 
@@ -15,10 +16,9 @@ _NORMAL_STEPS = 32767
 def pack_levels(values: FloatArray) -> NDArray[Any]:
     """Return values in [0, 1] as the 8- or 16-bit integers that they are the levels of, or else unchanged."""
     for dtype in (np.uint8, np.uint16):
-        top = np.iinfo(dtype).max
-        levels = np.rint(values * top)
-        if np.array_equal(levels / top, values):
-            return levels.astype(dtype)
+        levels = np.empty(values.shape, dtype)
+        if all(run_in_pieces(_write_levels, len(values), values, levels)):
+            return levels
     return values
 
 
@@ -37,11 +37,8 @@ def pack_normals(normals: FloatArray) -> NDArray[np.uint16]:
     The hemisphere is projected onto an octahedron, whose upper half is a square in the plane: unlike x and y alone, that is
     as exact at the rim, where z is small.
     """
-    x, y, z = normals.T
-    size = np.abs(x) + np.abs(y) + z
     packed = np.empty((len(normals), 2), np.uint16)
-    packed[:, 0] = np.rint(((x + y) / size + 1) * _NORMAL_STEPS)
-    packed[:, 1] = np.rint(((x - y) / size + 1) * _NORMAL_STEPS)
+    run_in_pieces(_project, len(normals), normals, packed)
     return packed
 
 
@@ -53,3 +50,19 @@ def unpack_normals(packed: NDArray[np.uint16]) -> FloatArray:
     normals[:, 2] = np.maximum(1.0 - np.abs(normals[:, 0]) - np.abs(normals[:, 1]), 0.0)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     return normals
+
+
+def _write_levels(values: FloatArray, levels: NDArray[Any], piece: slice) -> bool:
+    """Write the levels of some values; tell whether they are these levels to the last bit."""
+    top = np.iinfo(levels.dtype).max
+    nearest = np.rint(values[piece] * top)
+    levels[piece] = nearest
+    return np.array_equal(nearest / top, values[piece])
+
+
+def _project(normals: FloatArray, packed: NDArray[np.uint16], piece: slice) -> None:
+    """Project some normals onto the octahedron."""
+    x, y, z = normals[piece].T
+    size = np.abs(x) + np.abs(y) + z
+    packed[piece, 0] = np.rint(((x + y) / size + 1) * _NORMAL_STEPS)
+    packed[piece, 1] = np.rint(((x - y) / size + 1) * _NORMAL_STEPS)

@@ -12,7 +12,7 @@ from scipy.ndimage import distance_transform_edt
 
 from toonkit._validation import BoolArray, FloatArray, as_array, as_coverage, as_mask, refuse, same_shape
 from toonkit.model.description import describe_object, preview_png
-from toonkit.model.whole_pixels import opaque, pixels_at, put_pixels
+from toonkit.model.whole_pixels import opaque, pieces, pixels_at, put_pixels
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,8 +170,11 @@ class ToonImage:
 
 def eight_bit(values: FloatArray) -> NDArray[np.uint8]:
     """Convert values in [0, 1] to uint8 in 0..255, rounding to nearest."""
-    steps = values * 255
-    return np.rint(steps, out=steps).astype(np.uint8)
+    levels = np.empty(values.shape, np.uint8)
+    flat, written = values.reshape(-1), levels.reshape(-1)
+    for piece in pieces(flat.size):
+        written[piece] = np.rint(flat[piece] * 255)
+    return levels
 
 
 def nearest_object_pixel(mask: BoolArray) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

@@ -21,7 +21,7 @@ from toonkit._validation import (
 )
 from toonkit.model.description import describe_object, preview_png
 from toonkit.model.normal_map_check import OFF_UNIT, NormalMapCheck, check_normal_map
-from toonkit.model.whole_pixels import pixels_at, put_pixels
+from toonkit.model.whole_pixels import pieces, pixels_at, put_pixels
 
 UNIT_TOLERANCE = 1e-3
 """A vector this close to unit length is a rounded unit vector and is renormalized; others are refused."""
@@ -172,7 +172,10 @@ def encode_normal_map(
     signs = (1.0, -1.0 if green == "directx" else 1.0, 1.0)
     encoded = np.empty((*normals.shape, 3), f"uint{bits}")
     encoded[:] = np.rint((np.array([0.0, 0.0, 1.0]) + 1) * steps)
-    put_pixels(encoded, normals.mask, np.rint((normals.compact * signs + 1) * steps))
+    colors = np.empty(normals.compact.shape, encoded.dtype)
+    for piece in pieces(len(colors)):
+        colors[piece] = np.rint((normals.compact[piece] * signs + 1) * steps)
+    put_pixels(encoded, normals.mask, colors)
     return encoded
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray
+
+PIECE = 16_384
+"""Numbers in a piece."""
 
 Number = TypeVar("Number", bound=np.generic)
 
@@ -20,6 +24,11 @@ def pixels_at(image: NDArray[Number], mask: BoolArray) -> NDArray[Number]:
 def put_pixels(image: NDArray[Any], mask: BoolArray, pixels: NDArray[Any]) -> None:
     """Set `image[mask]` of an image (H, W, C) whose channels lie side by side to pixels (P, C), or (C,) for all of them."""
     _whole(image)[mask] = _whole(np.ascontiguousarray(pixels, image.dtype))
+
+
+def pieces(count: int) -> Iterator[slice]:
+    """Cut a number of pixels into slices: what is computed on the way is then small, and stays in a core's cache."""
+    return (slice(first, first + PIECE) for first in range(0, count, PIECE))
 
 
 def opaque(colors: NDArray[np.uint8]) -> NDArray[np.uint8]:
