@@ -9,7 +9,7 @@ from os import PathLike
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from toonkit._validation import BoolArray, FloatArray, check_unit_light, of_type, refuse, same_mask
 from toonkit.estimation.color_map_fit import allowed_intervals
@@ -26,6 +26,7 @@ from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination
 from toonkit.model.tone_ramp import ToneRamp
+from toonkit.numerics.bands import run_in_pieces
 from toonkit.numerics.masked_grid import IndexArray
 from toonkit.numerics.report import NOT_REFINED, SolverReport
 
@@ -176,10 +177,9 @@ class ToonAnalysis:
         value = self.normals.compact @ self.light
         for material, flat, color_map in self._each_material():
             if not flat:
-                own = material.pixels
-                detail = paint[own] - color_map(value[own])
-                lit = color_map(np.quantile(value[own], 1.0 - SHINE))
-                paint[own] = lit + texture_share(detail)[:, None] * detail
+                lit = color_map(np.quantile(value[material.pixels], 1.0 - SHINE))
+                pixels = np.arange(len(value)) if isinstance(material.pixels, slice) else material.pixels
+                run_in_pieces(_unshade, len(pixels), pixels, value, color_map, lit, paint)
         return self._composed(np.clip(paint, 0.0, 1.0, out=paint), highlights=0.0)
 
     @cached_property
@@ -324,6 +324,20 @@ class ToonAnalysis:
     def _painted(self, paint: FloatArray) -> ToonImage:
         """Return the picture of which the object's pixels have these colors (P, 3)."""
         return ToonImage.like(self.image, paint, paint[self.image.fringe_pixels])
+
+
+def _unshade(
+    pixels: NDArray[np.integer],
+    value: FloatArray,
+    color_map: ColorMap,
+    lit: FloatArray,
+    paint: FloatArray,
+    piece: slice,
+) -> None:
+    """Replace the shading of some pixels of a material by its lit tone; keep their texture."""
+    own = pixels[piece]
+    detail = paint[own] - color_map(value[own])
+    paint[own] = lit + texture_share(detail)[:, None] * detail
 
 
 def _same(one: ColorMap, other: ColorMap) -> bool:

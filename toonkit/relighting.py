@@ -206,7 +206,7 @@ class Paint:
         self,
         color: FloatArray,
         drawn: FloatArray,
-        labels: NDArray[np.intp],
+        labels: NDArray[np.integer],
         free: NDArray[np.intp] | None = None,
     ) -> FloatArray:
         """

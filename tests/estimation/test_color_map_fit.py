@@ -89,7 +89,8 @@ def test_pixels_that_share_an_illumination_share_the_mean_of_their_colors():
 
 def mixed_pixels(image):
     mixed = np.zeros(image.mask.shape, bool)
-    mixed[image.mask] = prepare(image).tones.mixed
+    tones = prepare(image).tones
+    mixed[image.mask] = tones.plain != tones.tone
     return mixed
 
 

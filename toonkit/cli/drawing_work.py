@@ -203,6 +203,7 @@ def analyze_drawing(
         ink=drawing.ink,
         progress=step,
     )
+    analysis.drawing.release()  # writing needs memory, too
     step("writing", 1.0)
     with single_threaded_blas():
         rmse = float(color_rmse(analysis.picture, drawing.image))

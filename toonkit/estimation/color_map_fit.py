@@ -211,8 +211,10 @@ def rank_matched(tones: PaintedTones, illumination: FloatArray) -> ColorMap:
 
 def allowed_interval(tones: PaintedTones, color_map: ColorMap) -> IlluminationInterval:
     """Range of illumination (P,) that each of a drawing's pixels allows; see `illumination_interval`."""
-    lower, upper = np.empty((2, len(tones.tone)))
-    run_in_pieces(_allow, len(lower), tones, color_map, _tolerance(tones), lower, upper)
+    tolerance, lower, upper = _tolerance(tones), tones.darkest, tones.brightest
+    lower -= tolerance
+    upper += tolerance
+    run_in_pieces(_allow, len(lower), color_map, lower, upper)
     return IlluminationInterval(lower, upper)
 
 
@@ -220,11 +222,11 @@ def painted_interval(
     tones: PaintedTones, color_map: ColorMap, allowed: IlluminationInterval
 ) -> IlluminationInterval:
     """Narrow what `allowed_interval` returned to what the nearer one of the bands that each pixel mixes allows."""
-    mixed = np.flatnonzero(tones.mixed)
+    mixed = tones.mixtures.pixels
     if mixed.size == 0:
         return allowed
     tolerance = _tolerance(tones)
-    plain = tones.plain[mixed]
+    plain = tones.mixtures.nearer
     narrow = color_map.allowed(plain - tolerance, plain + tolerance)
     lower, upper = allowed.lower.copy(), allowed.upper.copy()
     lower[mixed], upper[mixed] = narrow.lower, narrow.upper
@@ -248,14 +250,7 @@ def _tolerance(tones: PaintedTones) -> float:
     return max(HALF_STEP, tones.noise)
 
 
-def _allow(
-    tones: PaintedTones,
-    color_map: ColorMap,
-    tolerance: float,
-    lower: FloatArray,
-    upper: FloatArray,
-    piece: slice,
-) -> None:
-    """Write the bounds of some pixels."""
-    allowed = color_map.allowed(tones.darkest[piece] - tolerance, tones.brightest[piece] + tolerance)
+def _allow(color_map: ColorMap, lower: FloatArray, upper: FloatArray, piece: slice) -> None:
+    """Replace the least and greatest tones of some pixels by the bounds that they allow."""
+    allowed = color_map.allowed(lower[piece], upper[piece])
     lower[piece], upper[piece] = allowed.lower, allowed.upper

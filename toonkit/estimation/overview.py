@@ -9,9 +9,9 @@ import numpy as np
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.convolution import Array
-from toonkit.estimation.painted_tones import PaintedTones
+from toonkit.estimation.painted_tones import find_mixtures
 from toonkit.estimation.working_square import WorkingSquare
-from toonkit.model.luminance import REC709, linear_to_srgb
+from toonkit.model.luminance import linear_to_srgb
 from toonkit.numerics.masked_grid import OUTSIDE, Coarsening, IndexArray, MaskedGrid
 
 LONGEST = 320
@@ -112,8 +112,8 @@ def reduce_paint(
     ----------
     grid : MaskedGrid
         The object.
-    light : ndarray, shape (P, 3)
-        Its colors as linear light.
+    light : ndarray, shape (P,)
+        Its luminance, linear.
     tones : ndarray, shape (P,)
         Its tones without mixtures.
     inked : ndarray of bool, shape (P,)
@@ -137,8 +137,9 @@ def reduce_paint(
     mask[coarse.rows[filled], coarse.columns[filled]] = True
     reduced = MaskedGrid(mask)
     if steps:
-        mean = (_block_sums(steps, np.ascontiguousarray(light)) / area[:, None])[filled]
-        tones = PaintedTones.between(mean, linear_to_srgb(mean @ REC709), reduced.rows, reduced.columns).plain
+        tones = linear_to_srgb((_block_sums(steps, light) / area)[filled])
+        mixtures = find_mixtures(tones, reduced.rows, reduced.columns)
+        tones = mixtures.replaced(tones, mixtures.nearer)
     ink = (2 * _block_sums(steps, inked.astype(np.float64)) >= area)[filled]
     for step in steps:
         of_block = np.empty(step.coarse.size, labels.dtype)

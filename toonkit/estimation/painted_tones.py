@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +51,34 @@ class OrderedLight:
 
 
 @dataclass(frozen=True, eq=False)
+class Mixtures:
+    """
+    The mixed pixels among some tones: few, which is why nothing is stored of the others.
+
+    Attributes
+    ----------
+    pixels : ndarray of int, shape (m,)
+        Which they are, ascending.
+    nearer, darkest, brightest : ndarray, shape (m,)
+        The nearer tone of the two bands that each mixes, and the tones of the bands that it lies between.
+    noise : float
+        See `PaintedTones`.
+    """
+
+    pixels: NDArray[np.intp]
+    nearer: FloatArray
+    darkest: FloatArray
+    brightest: FloatArray
+    noise: float
+
+    def replaced(self, tone: FloatArray, own: FloatArray) -> FloatArray:
+        """Return the tones (P,) with others (m,) for the mixed pixels."""
+        tones = tone.copy()
+        tones[self.pixels] = own
+        return tones
+
+
+@dataclass(frozen=True, eq=False)
 class PaintedTones:
     """
     Tones of an object's pixels, in row-major order.
@@ -62,79 +89,88 @@ class PaintedTones:
 
     Attributes
     ----------
-    light : ndarray, shape (P, 3)
-        The colors as linear light.
     tone : ndarray, shape (P,)
         Their tones in [0, 1].
-    plain : ndarray, shape (P,)
-        Tones without mixtures: a mixed pixel takes the nearer tone of the two bands it mixes.
-    darkest, brightest : ndarray, shape (P,)
-        Tones of the bands that a mixed pixel lies between; the tone itself of all others.
-    noise : float
-        Standard deviation of the tones of one painted color, from the median second differences along rows and columns: zero
-        for flat colors and for gradients, whatever the number of band edges.
+    mixtures : Mixtures
+        The mixed pixels among them.
+    ordered : OrderedLight
+        The linear light in the order of the plain tones; a mixed pixel shows that of the other pixels of its tone.
     """
 
-    light: FloatArray
     tone: FloatArray
-    plain: FloatArray
-    darkest: FloatArray
-    brightest: FloatArray
-    noise: float
+    mixtures: Mixtures
+    ordered: OrderedLight
 
     @classmethod
     def of(cls, colors: FloatArray, rows: IndexArray, columns: IndexArray) -> PaintedTones:
         """Read the colors (P, 3), sRGB in [0, 1], of pixels at some rows and columns (P,)."""
-        return cls.between(*decoded(colors), rows, columns)
-
-    @classmethod
-    def between(
-        cls, light: FloatArray, tone: FloatArray, rows: IndexArray, columns: IndexArray
-    ) -> PaintedTones:
-        """Tell mixtures among colors that have been decoded; see `of`."""
-        rows, columns = rows - rows.min(), columns - columns.min()
-        reach = MIXING_REACH
-        framed = np.full((rows.max() + 1 + 2 * reach, columns.max() + 1 + 2 * reach), np.nan)
-        place = (rows + reach) * framed.shape[1] + columns + reach
-        framed.ravel()[place] = tone
-        level = np.zeros(framed.shape, np.bool_)
-        run_in_bands(_find_flat, framed, level)
-        flat = level.ravel()[place]
-        doubtful = np.flatnonzero(~flat)
-        darker, brighter = _extremes(framed, place, flat, doubtful)
-        own = tone[doubtful]
-        between = (own > darker + FLAT) & (own < brighter - FLAT)
-        mixed, own, darker, brighter = doubtful[between], own[between], darker[between], brighter[between]
-        plain, darkest, brightest = tone.copy(), tone.copy(), tone.copy()
-        plain[mixed] = np.where(own - darker < brighter - own, darker, brighter)
-        pure = np.ones(len(tone), np.bool_)
-        pure[mixed] = False
-        darkest[mixed], brightest[mixed] = _extremes(framed, place, pure, mixed)
-        return cls(light, tone, plain, darkest, brightest, _noise(framed))
+        light, tone = decoded(colors)
+        mixtures = find_mixtures(tone, rows, columns)
+        return cls(
+            tone, mixtures, _in_order(light, mixtures.replaced(tone, mixtures.nearer), mixtures.pixels)
+        )
 
     @property
-    def mixed(self) -> BoolArray:
-        """Which pixels are mixtures, shape (P,)."""
-        mixed: BoolArray = self.plain != self.tone
-        return mixed
+    def plain(self) -> FloatArray:
+        """Tones without mixtures, shape (P,): a mixed pixel takes the nearer tone of the two bands it mixes."""
+        return self.mixtures.replaced(self.tone, self.mixtures.nearer)
 
-    @cached_property
-    def ordered(self) -> OrderedLight:
-        """The light in the order of the plain tones; a mixed pixel shows that of the other pixels of its tone."""
-        level = (self.plain * (LEVELS - 1) + 0.5).astype(np.intp)
-        pixels = np.bincount(level, minlength=LEVELS)
-        occurring = np.flatnonzero(pixels)
-        pure = ~self.mixed
-        pure_pixels = np.bincount(level, weights=pure, minlength=LEVELS)[occurring]
-        sums = [
-            np.bincount(level, weights=pure * channel, minlength=LEVELS)[occurring]
-            for channel in self.light.T
-        ]
-        light = np.stack(sums, axis=1) * (pixels[occurring] / pure_pixels)[:, None]
-        start = np.zeros((1, 3))
-        return OrderedLight(
-            np.append(0, np.cumsum(pixels[occurring])), np.concatenate([start, np.cumsum(light, axis=0)])
-        )
+    @property
+    def darkest(self) -> FloatArray:
+        """Tones of the darker bands that mixed pixels lie between; the tone itself of all others, shape (P,)."""
+        return self.mixtures.replaced(self.tone, self.mixtures.darkest)
+
+    @property
+    def brightest(self) -> FloatArray:
+        """Tones of the brighter bands that mixed pixels lie between; the tone itself of all others, shape (P,)."""
+        return self.mixtures.replaced(self.tone, self.mixtures.brightest)
+
+    @property
+    def noise(self) -> float:
+        """
+        Standard deviation of the tones of one painted color.
+
+        From the median second differences along rows and columns: zero for flat colors and for gradients, whatever the
+        number of band edges.
+        """
+        return self.mixtures.noise
+
+
+def find_mixtures(tone: FloatArray, rows: IndexArray, columns: IndexArray) -> Mixtures:
+    """Find the mixed pixels among tones (P,) of pixels at some rows and columns (P,); see `PaintedTones`."""
+    rows, columns = rows - rows.min(), columns - columns.min()
+    reach = MIXING_REACH
+    framed = np.full((rows.max() + 1 + 2 * reach, columns.max() + 1 + 2 * reach), np.nan)
+    place = (rows + reach) * framed.shape[1] + columns + reach
+    framed.ravel()[place] = tone
+    level = np.zeros(framed.shape, np.bool_)
+    run_in_bands(_find_flat, framed, level)
+    flat = level.ravel()[place]
+    doubtful = np.flatnonzero(~flat)
+    darker, brighter = _extremes(framed, place, flat, doubtful)
+    own = tone[doubtful]
+    between = (own > darker + FLAT) & (own < brighter - FLAT)
+    mixed, own, darker, brighter = doubtful[between], own[between], darker[between], brighter[between]
+    nearer = np.where(own - darker < brighter - own, darker, brighter)
+    pure = np.ones(len(tone), np.bool_)
+    pure[mixed] = False
+    return Mixtures(mixed, nearer, *_extremes(framed, place, pure, mixed), _noise(framed))
+
+
+def _in_order(light: FloatArray, plain: FloatArray, mixed: NDArray[np.intp]) -> OrderedLight:
+    """Order linear light (P, 3) by plain tones (P,)."""
+    level = (plain * (LEVELS - 1) + 0.5).astype(np.intp)
+    pixels = np.bincount(level, minlength=LEVELS)
+    occurring = np.flatnonzero(pixels)
+    pure = np.ones(len(level), np.bool_)
+    pure[mixed] = False
+    pure_pixels = np.bincount(level, weights=pure, minlength=LEVELS)[occurring]
+    sums = [np.bincount(level, weights=pure * channel, minlength=LEVELS)[occurring] for channel in light.T]
+    by_tone = np.stack(sums, axis=1) * (pixels[occurring] / pure_pixels)[:, None]
+    return OrderedLight(
+        np.append(0, np.cumsum(pixels[occurring])),
+        np.concatenate([np.zeros((1, 3)), np.cumsum(by_tone, axis=0)]),
+    )
 
 
 def decoded(colors: FloatArray) -> tuple[FloatArray, FloatArray]:

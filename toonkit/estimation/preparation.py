@@ -28,7 +28,7 @@ from toonkit.model.image import ToonImage
 from toonkit.model.luminance import REC709
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
-from toonkit.model.whole_pixels import pixels_at, put_pixels
+from toonkit.model.whole_pixels import put_pixels
 from toonkit.numerics.masked_grid import MaskedGrid, bounding_box
 
 MOST_PIXELS = 25_000_000
@@ -183,7 +183,7 @@ class PreparedDrawing:
     def materials(self) -> Materials:
         """The materials, without color maps."""
         found = self._found
-        return Materials(self._on_picture(found.labels.astype(np.intp), -1), found.tones, found.flat)
+        return Materials(self._on_picture(found.labels, -1), found.tones, found.flat)
 
     @cached_property
     def mixed(self) -> MixedPixels:
@@ -207,7 +207,7 @@ class PreparedDrawing:
     @cached_property
     def paint(self) -> FloatArray:
         """The colors without ink, mixtures of materials, and a compressor's noise, sRGB, shape (P, 3)."""
-        paint = pixels_at(self.frame.color, self.frame.mask)
+        paint = self.frame.pixels.copy()
         paint[self.mixed.pixels] = paint[self.mixed.sources[:, 0]]
         return paint
 
@@ -246,10 +246,19 @@ class PreparedDrawing:
         turns = [turn_under_light(towards, moment) for moment in self._moments]
         pose = self._pose  # a thread that poses the drawing for another light may replace it
         if pose is None or turns != [island.turn for island in pose.islands]:
-            islands = tuple(island.turned(turn) for island, turn in zip(self.islands, turns, strict=True))
             labels = self.frame.compact(self._found.labels)
+            islands = tuple(island.turned(turn) for island, turn in zip(self.islands, turns, strict=True))
+            for island, turned in zip(self.islands, islands, strict=True):
+                if turned is not island:  # no solver asks for it again as it is drawn
+                    island.grid.release()
             pose = self._pose = Pose(islands, self.painted_materials, self.inked, labels)
         return pose
+
+    def release(self) -> None:
+        """Free what nothing but an analysis under another light needs, which makes it again."""
+        self._pose = None
+        for grid in (self.grid, *(island.grid for island in self.islands)):
+            grid.release()
 
     @cached_property
     def telling_islands(self) -> tuple[int, ...]:
@@ -295,9 +304,11 @@ class PreparedDrawing:
             labels = self.frame.cut(self._given_labels[self.box])
         if self.given_highlights is not None:
             highlights = self.frame.cut(self.given_highlights[self.box])
-        return label_materials(
+        found = label_materials(
             self.frame, self.ink.coverage, self.framed_normals, labels=labels, highlights=highlights
         )
+        self.frame.release()
+        return found
 
 
 def prepare(

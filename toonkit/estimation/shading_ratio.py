@@ -11,7 +11,7 @@ from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.islands import Island
 from toonkit.estimation.painted_tones import PaintedTones
 from toonkit.model.image import nearest_object_pixel
-from toonkit.model.luminance import REC709, linear_to_srgb
+from toonkit.model.luminance import linear_to_srgb, srgb_to_linear
 from toonkit.numerics.masked_grid import IndexArray, MaskedGrid
 
 BRIGHTEST = 0.98
@@ -45,8 +45,8 @@ class GrayPaint:
 
     Attributes
     ----------
-    light : ndarray, shape (P, 3)
-        Linear light, without the colors of materials.
+    light : ndarray, shape (P,)
+        Luminance, linear and without the colors of materials.
     tone : ndarray, shape (P,)
         Its tone, plain.
     hidden : ndarray of bool, shape (P,)
@@ -81,19 +81,18 @@ def gray_paint(
     """
     if len(materials) == 1 and materials[0].tones is not None:
         tones = materials[0].tones
-        return GrayPaint(tones.light, tones.plain, inked)
+        return GrayPaint(srgb_to_linear(tones.tone), tones.plain, inked)
     gray, told = np.full(len(inked), LIT), np.zeros(len(inked), np.bool_)
     for material in materials:
         if material.tones is None:
             continue
-        gray[material.pixels] = relative_shade(material.tones.light @ REC709)
+        gray[material.pixels] = relative_shade(srgb_to_linear(material.tones.tone))
         told[material.pixels] = True
     for island in islands:
         shown = told[island.pixels]
         if shown.any() and not shown.all():
             gray[island.pixels] = _nearest(gray[island.pixels], shown, island.grid)
-    light = np.broadcast_to(gray[:, None], (len(gray), 3))  # each channel is the same memory
-    return GrayPaint(light, np.asarray(linear_to_srgb(gray)), inked | ~told)
+    return GrayPaint(gray, np.asarray(linear_to_srgb(gray)), inked | ~told)
 
 
 def relative_shade(shade: FloatArray) -> FloatArray:

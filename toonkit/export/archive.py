@@ -299,15 +299,15 @@ def _only_color_map(arrays: Arrays) -> ColorMap:
     return ColorMap(arrays.read("color_map_colors", "f", None, 3, most=3 * MOST_COLORS), (low, high))
 
 
-def _labels(arrays: Arrays, mask: BoolArray) -> NDArray[np.intp]:
-    labels = np.full(mask.shape, -1, np.intp)
+def _labels(arrays: Arrays, mask: BoolArray) -> NDArray[np.int32]:
+    labels = np.full(mask.shape, -1, np.int32)
     labels[mask] = arrays.read("material_labels", "i", int(mask.sum()))
     if labels[mask].min() < 0:
         raise refuse("material_labels", "must be known on the object", "negative numbers")
     return labels
 
 
-def _materials(arrays: Arrays, labels: NDArray[np.intp], prefix: str) -> Materials:
+def _materials(arrays: Arrays, labels: NDArray[np.int32], prefix: str) -> Materials:
     pixels = int((labels >= 0).sum())
     flat = arrays.read(f"{prefix}material_flat", "b", None, most=pixels)
     count = len(flat)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -28,18 +29,15 @@ class Frame:
         Rows and columns of the bounding box in the picture.
     mask : ndarray of bool, shape (h, w)
         The object within the box and its margin.
-    color : ndarray, shape (h, w, 3)
-        sRGB; zero outside the mask.
-    lab : ndarray of float32, shape (h, w, 3)
-        The same in OKLab.
+    pixels : ndarray, shape (P, 3)
+        sRGB of the object's pixels.
     views : int
         How often it shows the object side by side, as the frames of an animation do.
     """
 
     place: Box
     mask: BoolArray
-    color: FloatArray
-    lab: Lab
+    pixels: FloatArray
     views: int = 1
 
     @classmethod
@@ -51,10 +49,23 @@ class Frame:
     def of_pixels(cls, pixels: FloatArray, mask: BoolArray, *, views: int = 1) -> Frame:
         """Cut out an object whose pixels, those of a mask (H, W), have some colors (P, 3)."""
         place = bounding_box(mask)
-        inside = np.pad(mask[place], MARGIN)
-        cut = np.zeros((*inside.shape, 3))
-        put_pixels(cut, inside, pixels)
-        return cls(place, inside, cut, tabulated_oklab(cut), views)
+        return cls(place, np.pad(mask[place], MARGIN), pixels, views)
+
+    @property
+    def color(self) -> FloatArray:
+        """The colors, sRGB, shape (h, w, 3); zero outside the mask. Made whenever it is asked for."""
+        color = np.zeros((*self.mask.shape, 3))
+        put_pixels(color, self.mask, self.pixels)
+        return color
+
+    @cached_property
+    def lab(self) -> Lab:
+        """The same in OKLab, float32. Made when it is first asked for, and kept until `release`."""
+        return tabulated_oklab(self.color)
+
+    def release(self) -> None:
+        """Free what can be made again."""
+        self.__dict__.pop("lab", None)
 
     def cut(self, values: NDArray[Any]) -> NDArray[Any]:
         """Cut values (H, W, ...) of the picture to this frame, zero in the margin."""

@@ -316,13 +316,14 @@ def _coverage(frame: Frame, lines: BoolArray, strips: _Strips) -> tuple[FloatArr
     clean = frame.mask & ~reach & ~strips.pixels
     paint_source = nearest_sources(clean, frame.lab, reach | strips.pixels, within=4 * strips.width)
     both = np.flatnonzero((reach & (ink_source >= 0) & (paint_source >= 0)).ravel())
-    colors = frame.color.reshape(-1, 3)
+    drawn = frame.color
+    colors = drawn.reshape(-1, 3)
     ink, paint = colors[ink_source.ravel()[both]], colors[paint_source.ravel()[both]]
     away, own = ink - paint, colors[both] - paint
     share = np.clip((own * away).sum(axis=1) / np.maximum((away**2).sum(axis=1), 1e-6), 0.0, 1.0)
     off = np.linalg.norm(own - share[:, None] * away, axis=1)
     share[(off > OFF_MIXTURE) | (share < LEAST_COVERAGE)] = 0.0
-    coverage, drawn = np.zeros(frame.mask.shape), frame.color.copy()
+    coverage = np.zeros(frame.mask.shape)
     coverage.ravel()[both] = share
     drawn.reshape(-1, 3)[both] = ink
     coverage[lines] = np.where(paint_source[lines] >= 0, np.maximum(coverage[lines], 0.5), 1.0)

@@ -249,8 +249,9 @@ def _colors(frame: Frame, tones: Tones, labels: Labels, pure: BoolArray) -> tupl
     count, number = int(labels.max()) + 1, len(tones.area)
     key = labels[paint].astype(np.intp) * number + tones.labels[paint]
     area = np.bincount(key, minlength=count * number)
+    color = frame.color
     sums = np.column_stack(
-        [np.bincount(key, channel, count * number) for channel in pixels_at(frame.color, paint).T]
+        [np.bincount(key, channel, count * number) for channel in pixels_at(color, paint).T]
     )
     area, sums = area.reshape(count, number), sums.reshape(count, number, 3)
     large = area >= np.maximum(TONE_SHARE * area.sum(axis=1, keepdims=True), 1)
@@ -258,7 +259,7 @@ def _colors(frame: Frame, tones: Tones, labels: Labels, pure: BoolArray) -> tupl
     for which in range(count):
         occurring = np.flatnonzero(large[which])
         if occurring.size == 0:  # all of it is mixed or lies under ink
-            colors.append(frame.color[labels == which].mean(axis=0, keepdims=True))
+            colors.append(color[labels == which].mean(axis=0, keepdims=True))
         else:
             colors.append(sums[which, occurring] / area[which, occurring, None])
     return tuple(colors)

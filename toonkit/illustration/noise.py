@@ -14,6 +14,7 @@ from toonkit.illustration.frame import Frame
 from toonkit.illustration.neighborhoods import grown, range_around, shrunk
 from toonkit.illustration.zones import find_zones
 from toonkit.model.oklab import Lab, tabulated_oklab
+from toonkit.model.whole_pixels import pixels_at
 from toonkit.numerics.compiled import njit
 
 WAVERS = 16
@@ -65,12 +66,12 @@ def without_noise(frame: Frame) -> Frame:
     """
     if not _wavers(frame):
         return frame
-    averaged = np.empty_like(frame.color)
-    color = frame.color
+    original = color = frame.color
+    averaged = np.empty_like(color)
     for _ in range(PASSES):
         _average(
             color.reshape(-1, 3),
-            frame.color.reshape(-1, 3),
+            original.reshape(-1, 3),
             frame.mask.ravel(),
             frame.mask.shape[1],
             ALIKE / 255,
@@ -81,17 +82,17 @@ def without_noise(frame: Frame) -> Frame:
     source = _own_paint(color, lab, frame.mask)
     color, lab = color.reshape(-1, 3)[source], lab.reshape(-1, 3)[source]
     color = _flattened(color, lab, frame.mask)
-    return replace(frame, color=color, lab=tabulated_oklab(color))
+    return replace(frame, pixels=pixels_at(color, frame.mask))
 
 
 def _wavers(frame: Frame) -> bool:
     """Tell whether colors waver without any direction in much of a drawing."""
-    inner = shrunk(frame.mask, 1)
-    steps = 255 * range_around(frame.color)
+    inner, color = shrunk(frame.mask, 1), frame.color
+    steps = 255 * range_around(color)
     wavering = inner & (steps > 0.5) & (steps < WAVERS + 0.5)
     if np.count_nonzero(wavering) <= NOISY * np.count_nonzero(inner):
         return False
-    value, second, first = frame.color.sum(axis=2), 0.0, 0.0
+    value, second, first = color.sum(axis=2), 0.0, 0.0
     for axis in (0, 1):
         before, after = np.roll(value, 1, axis), np.roll(value, -1, axis)
         second += float(np.abs(before - 2 * value + after)[wavering].sum())

@@ -37,7 +37,7 @@ class Materials:
         If there is no material, the labels are not their numbers, or tones, `flat` and color maps are not one for each.
     """
 
-    labels: NDArray[np.intp]
+    labels: NDArray[np.integer]
     tones: tuple[FloatArray, ...]
     flat: BoolArray
     color_maps: tuple[ColorMap, ...] = ()
@@ -73,7 +73,7 @@ class Materials:
     @classmethod
     def single(cls, mask: BoolArray, color_map: ColorMap) -> Materials:
         """Return the one material of an object (H, W) that is painted with one color map."""
-        labels = np.where(mask, 0, -1).astype(np.intp)
+        labels = np.where(mask, 0, -1).astype(np.int32)
         return cls(labels, (color_map.colors[[0, -1]],), np.zeros(1, np.bool_), (color_map,))
 
     def __repr__(self) -> str:

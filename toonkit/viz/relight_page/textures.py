@@ -177,7 +177,7 @@ def _parts(analysis: ToonAnalysis, mixed: MixedPixels) -> tuple[Words, Words]:
     mixtures = np.zeros((-(-count // MIXTURES_WIDE) * MIXTURES_WIDE, 4), np.uint32)
     rows, columns = drawing.places(mixed.sources)
     mixtures[:count, :2] = columns + (rows << 16)
-    materials = labels[rows, columns]
+    materials = labels[rows, columns].astype(np.intp)
     materials[mixed.highlit, 1] = HIGHLIT
     mixtures[:count, 2] = _pairs(materials)
     mixtures[:count, 3] = _pairs(np.round(np.clip(mixed.shares, 0.0, 1.0) * 65535).astype(np.intp))
