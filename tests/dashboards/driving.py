@@ -224,18 +224,47 @@ def show_badged_ball(page, _):
     wait_until_answered(page)
 
 
+def shown_color(page, share):
+    """Color on screen around a place of the picture."""
+    x, y = place(page, share)
+    return pixels_in(page, {"x": x - 2, "y": y - 2, "width": 4, "height": 4}).mean(axis=(0, 1))
+
+
+def share_of(page, which):
+    """Share of the object, in percent, that a swatch says its material has."""
+    return int(swatches(page).nth(which).get_attribute("title").split(",")[1].split("%")[0])
+
+
 def swatches(page):
     return page.locator(".swatch:not(.new):not(.ghost):not(.mark)")
 
 
 def button(page, name):
-    where = page.locator(".history" if name in ("Undo", "Redo") else ".tools")
+    where = page.locator(".icons" if name in ("Undo", "Redo") else ".tools")
     return where.get_by_role("button", name=name)
 
 
+def picture_box(page, card):
+    """Where the picture of a card lies, with what its stage cuts off."""
+    return page.locator(f".card.{card} canvas.picture").last.bounding_box()
+
+
+def zoom(page, at, notches):
+    """Turn the wheel over a place on the screen with Ctrl held, and wait until the pictures have followed."""
+    before = picture_box(page, "original")
+    page.mouse.move(*at)
+    page.keyboard.down("Control")
+    for _ in range(abs(notches)):
+        page.mouse.wheel(0, -120 if notches > 0 else 120)
+    page.keyboard.up("Control")
+    wanted = before["width"] * np.exp(0.24 * notches)  # 24 pixels of 1 % each count for a notch
+    assert until(page, lambda: np.isclose(picture_box(page, "original")["width"], wanted, rtol=1e-3))
+    wait_until_shown(page)
+
+
 def place(page, share):
-    """Where on the screen a place of the picture is."""
-    box = page.locator(".label-map").bounding_box()
+    """Where on the screen a place of the picture is, however magnified."""
+    box = picture_box(page, "original")
     return box["x"] + share[0] * box["width"], box["y"] + share[1] * box["height"]
 
 
@@ -250,6 +279,12 @@ def take_all_back(page):
     for _ in range(3):
         page.keyboard.press("Escape")  # a merge, the brush, a choice
     page.mouse.move(WINDOW["width"] / 2, 5)
+    fit = page.locator(".card.relit .fit")
+    if fit.is_visible():
+        fit.click()
+    compare = page.get_by_role("button", name="Compare with the drawing")
+    if compare.get_attribute("aria-pressed") == "true":
+        compare.click()
     undo = page.get_by_role("button", name="Undo")
     wait_until_answered(page)
     while undo.is_enabled():

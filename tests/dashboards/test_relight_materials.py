@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from io import BytesIO
-
 import numpy as np
 import pytest
 from PIL import Image
@@ -17,9 +15,12 @@ from tests.dashboards.driving import (
     VIEW,
     button,
     differ,
+    pixels_in,
     place,
     relit_pixels,
     settled,
+    share_of,
+    shown_color,
     sliders,
     swatches,
     until,
@@ -43,18 +44,6 @@ def drag(page, start, end):
     page.mouse.down()
     page.mouse.move(*end, steps=8)
     page.mouse.up()
-
-
-def shown_color(page, share):
-    """Color on screen around a place of the picture."""
-    x, y = place(page, share)
-    shot = page.screenshot(clip={"x": x - 2, "y": y - 2, "width": 4, "height": 4})
-    return np.asarray(Image.open(BytesIO(shot)).convert("RGB"), dtype=int).mean(axis=(0, 1))
-
-
-def share_of(page, which):
-    """Share of the object, in percent, that a swatch says its material has."""
-    return int(swatches(page).nth(which).get_attribute("title").split(",")[1].split("%")[0])
 
 
 def test_a_swatch_pointed_at_shows_its_material_as_drawn_and_veils_the_rest(materials_page):
@@ -296,8 +285,8 @@ def relit_color(page, share):
     """Color on screen of a place of the relit picture."""
     x, y = place(page, share)
     one, other = (page.locator(f".card.{card} .stage").bounding_box() for card in ("original", "relit"))
-    shot = page.screenshot(clip={"x": x - one["x"] + other["x"] - 2, "y": y - 2, "width": 4, "height": 4})
-    return np.asarray(Image.open(BytesIO(shot)).convert("RGB"), dtype=int).mean(axis=(0, 1))
+    box = {"x": x - one["x"] + other["x"] - 2, "y": y - 2, "width": 4, "height": 4}
+    return pixels_in(page, box).mean(axis=(0, 1))
 
 
 def test_another_drawing_shows_its_own_materials(materials_page):

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import time
+from io import BytesIO
 
 import numpy as np
 import pytest
+from PIL import Image
+from playwright.sync_api import expect
 
 import toonkit
 import toonkit.viz
@@ -64,6 +67,54 @@ def test_the_file_shows_the_relit_picture_and_follows_the_light(offline, shown):
     offline.get_by_role("button", name="Reset to original").click()
     assert drawn_again(offline)
     assert_shown(offline, relight(shown, shown.light).to_rgba())
+
+
+def stage_pixels(page):
+    """The stage as painted on screen."""
+    return np.asarray(Image.open(BytesIO(page.locator(".stage").screenshot())).convert("RGB"), dtype=int)
+
+
+@pytest.mark.browser
+def test_the_file_is_split_at_a_divider_left_of_which_it_is_as_drawn(offline, harlequin):
+    offline.get_by_role("slider", name="Relit: azimuth").fill("300")  # the sun is on the right
+    expect(offline.locator("output").first).to_have_text("300°")
+    relit = stage_pixels(offline)
+    offline.get_by_role("button", name="Compare with the drawing").click()
+    divider = offline.get_by_role("slider", name="How much is shown as drawn")
+    divider.press("ArrowRight")
+    expect(divider).to_have_attribute("aria-valuenow", "51")
+    split, middle = stage_pixels(offline), round(0.51 * relit.shape[1])
+    labels, beside = 40, 30
+    right = np.s_[labels:, middle + beside :]
+    assert (np.abs(split[right] - relit[right]) > 2).mean() < 0.001
+    box, stage = (offline.locator(name).last.bounding_box() for name in ("canvas.picture", ".stage"))
+    drawn = harlequin.image.to_rgba().astype(int)
+    rows, columns = np.nonzero(drawn[..., 3] == 255)
+    scale = box["width"] / drawn.shape[1]
+    y = (box["y"] - stage["y"] + (rows + 0.5) * scale).astype(int)
+    x = (box["x"] - stage["x"] + (columns + 0.5) * scale).astype(int)
+    left = (y > labels) & (x < middle - beside)
+    assert left.sum() > 1000
+    assert np.abs(split[y, x] - drawn[rows, columns, :3])[left].max() <= 1
+    assert (np.abs(relit[y, x] - drawn[rows, columns, :3])[left] > 8).mean() > 0.05
+    offline.keyboard.press("c")
+    expect(divider).to_be_hidden()
+
+
+@pytest.mark.browser
+def test_the_file_magnifies_its_picture_about_the_pointer(offline):
+    picture, stage = offline.locator("canvas.picture").last, offline.locator(".stage").bounding_box()
+    before = picture.bounding_box()
+    offline.mouse.move(stage["x"] + 0.4 * stage["width"], stage["y"] + 0.3 * stage["height"])
+    offline.keyboard.down("Control")
+    offline.mouse.wheel(0, -120)
+    offline.keyboard.up("Control")
+    expect(offline.get_by_role("button", name="Fit the picture")).to_be_visible()
+    after = picture.bounding_box()
+    assert after["width"] == pytest.approx(np.exp(0.24) * before["width"], rel=1e-3)
+    offline.get_by_role("slider", name="Relit: azimuth").press("0")
+    expect(offline.get_by_role("button", name="Fit the picture")).to_be_hidden()
+    assert picture.bounding_box() == before
 
 
 def test_a_view_is_made_of_an_analysis_and_shows_its_light(shown):

@@ -9,7 +9,7 @@ const MARKS = [
   {code: 4 * MARK, name: "Plain paint", tip: "Neither ink nor highlight", color: [150, 150, 156]},
 ]
 const INK_SHADE = [28, 22, 34, 225]
-const PICTURE_INSET = 12  // pixels around a picture on its stage
+const BESIDE_PIXELS = 3  // of the map beyond the edges of its stage, where its own edge is not seen
 const GOLDEN_ANGLE = 180 * (3 - Math.sqrt(5))
 const VEIL = [24, 24, 28, 190], BORDER = [255, 255, 255, 235], TINT_ALPHA = 205
 
@@ -43,11 +43,10 @@ async function inflated(deflated) {
   return new Uint16Array(await new Response(stream).arrayBuffer())
 }
 
-function labelMap(stage) {
+function labelMap(stage, frame) {
   const canvas = element(stage, "canvas", "label-map")
   const context = canvas.getContext("2d")
   let width = 0, height = 0, labels = new Uint16Array(0)
-  let scale = 1, left = 0, top = 0  // pixels on screen for one of the picture, and where that begins
   let places = null, stale = true, accent = 0, thick = 2
   const [colors, group] = [new Uint32Array(OUTSIDE + 1), new Uint16Array(OUTSIDE + 1).fill(OUTSIDE)]
   const tints = new Map()
@@ -60,24 +59,26 @@ function labelMap(stage) {
   // Looks up each pixel on screen, so that lines are sharp and cost the same however large the picture is.
   function place() {
     stale = false
-    const [wide, high] = [stage.clientWidth - 2 * PICTURE_INSET, stage.clientHeight - 2 * PICTURE_INSET]
-    if (wide <= 0 || high <= 0 || labels.length === 0) { places = null; return }
-    scale = Math.min(wide / width, high / height)
-    ;[left, top] = [(wide - scale * width) / 2, (high - scale * height) / 2]
-    const dense = window.devicePixelRatio || 1
-    const [columns, rows] = [Math.round(scale * width * dense), Math.round(scale * height * dense)]
-    if (canvas.width !== columns || canvas.height !== rows) { [canvas.width, canvas.height] = [columns, rows] }
-    Object.assign(canvas.style, {
-      left: `${PICTURE_INSET + left}px`, top: `${PICTURE_INSET + top}px`,
-      width: `${scale * width}px`, height: `${scale * height}px`,
-    })
-    const source = new Int32Array(columns)
-    for (let column = 0; column < columns; column++) { source[column] = Math.floor((column + 0.5) * width / columns) }
-    places = new Uint16Array(columns * rows)
-    for (let row = 0, i = 0; row < rows; row++) {
-      const start = Math.floor((row + 0.5) * height / rows) * width
-      for (let column = 0; column < columns; column++, i++) { places[i] = labels[start + source[column]] }
+    const {scale, wide, high, left, top} = frame.place(stage)
+    if (!(scale > 0) || labels.length === 0) { places = null; return }
+    // The part of a side that is on screen: where it begins there, its length, and the pixel of the picture in each of its own.
+    const along = (begin, side, room) => {
+      const [from, to] = [Math.max(begin, -BESIDE_PIXELS), Math.min(begin + scale * side, room + BESIDE_PIXELS)]
+      const count = Math.round((to - from) * (window.devicePixelRatio || 1))
+      const source = Int32Array.from({length: count}, (_, k) => {
+        return clamp(Math.floor((from - begin + (k + 0.5) * (to - from) / count) / scale), 0, side - 1)
+      })
+      return [from, to - from, source]
     }
+    const [[x, shownWide, columns], [y, shownHigh, rows]] = [along(left, width, wide), along(top, height, high)]
+    if (canvas.width !== columns.length || canvas.height !== rows.length) { [canvas.width, canvas.height] = [columns.length, rows.length] }
+    Object.assign(canvas.style, {left: `${x}px`, top: `${y}px`, width: `${shownWide}px`, height: `${shownHigh}px`})
+    places = new Uint16Array(columns.length * rows.length)
+    let i = 0
+    for (const row of rows) {
+      for (const column of columns) { places[i++] = labels[row * width + column] }
+    }
+    const dense = window.devicePixelRatio || 1
     thick = Math.round(2 * dense)
     accent = packed(readColor(getComputedStyle(stage).getPropertyValue("--accent"), 255))
   }
@@ -139,22 +140,18 @@ function labelMap(stage) {
     known.add(labels[place])
   }
 
-  // Where on the picture a pointer is, in its pixels.
-  function under(event) {
-    const box = stage.getBoundingClientRect()
-    return [
-      (event.clientX - box.left - PICTURE_INSET - left) / scale, (event.clientY - box.top - PICTURE_INSET - top) / scale,
-    ]
-  }
+  const under = (event) => frame.under(stage, event)
   return {
     draw, numbers, areas, under,
     // The number of a new material, as in corrections.py.
     get fresh() { return Math.max(-1, ...[...values()].map((raw) => (raw & ~INKED) % MARK)) + 1 },
     // Where on the stage a place of the picture is.
-    onStage([x, y]) { return [PICTURE_INSET + left + x * scale, PICTURE_INSET + top + y * scale].map((value) => value.toFixed(1)) },
+    onStage([x, y]) {
+      const {scale, left, top} = frame.place(stage)
+      return [left + x * scale, top + y * scale].map((value) => value.toFixed(1))
+    },
     measure() { stale = true },
-    get scale() { return scale },
-    get longest() { return Math.max(width, height) },
+    get scale() { return frame.place(stage).scale },
     load(nextWidth, nextHeight, next) {
       ;[width, height, labels, known, stale] = [nextWidth, nextHeight, next, null, true]
     },

@@ -99,14 +99,15 @@ function element(parent, tag, className, html = "") {
   return node
 }
 
-// One card: a picture, a ball, two sliders, all moving the same light.
-function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
+// One card: a picture, a ball, two sliders, all moving the same light. `frame` is where the picture lies.
+function lightCard(parent, {name, title, hint, angles, frame, onMove, onRelease}) {
   const card = element(parent, "section", `card ${name}`)
   element(card, "header", "", `<h2>${title}</h2><p>${hint}</p>`)
   const stage = element(card, "div", "stage")
   const picture = element(stage, "canvas", "picture")
   const pictureImage = element(stage, "img", "picture stand-in")
   const sun = element(stage, "div", "sun", SUN)
+  const fit = element(stage, "button", "fit")
   const controls = element(card, "div", "controls")
   const ballBox = element(controls, "div", "ball-box")
   const ball = element(ballBox, "canvas", "ball")
@@ -118,6 +119,10 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
     return {input: row.querySelector("input"), output: row.querySelector("output")}
   })
   const buttons = element(right, "div", "buttons")
+  Object.assign(fit, {type: "button", title: "Fit the picture (0)"})
+  fit.setAttribute("aria-label", "Fit the picture")
+  fit.addEventListener("pointerdown", (event) => event.stopPropagation())
+  fit.addEventListener("click", frame.fit)
   pictureImage.alt = ""
   pictureImage.draggable = false
   Object.assign(ballBox, {tabIndex: 0, title: "Drag the light, or move it with the arrow keys"})
@@ -160,9 +165,9 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
     keyed = setTimeout(settle, KEY_MS)
   })
 
-  const dragging = () => card.classList.contains("dragging")
-
-  function draggable(area, inset) {
+  // Moves the light to where an area is pressed. On the stage it does so wherever the picture lies: a light has a direction,
+  // not a place, and all of them are within reach however much of the picture is on screen.
+  function lightTool(area, inset) {
     const move = (event) => {
       const box = area.getBoundingClientRect()
       const radius = Math.min(box.width, box.height) / 2 - inset
@@ -170,25 +175,34 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
       const y = (box.top + box.height / 2 - event.clientY) / radius
       onMove(anglesUnder(x, y, angles[0]))
     }
-    area.addEventListener("pointerdown", (event) => {
-      if (event.button !== 0 || card.classList.contains("editing")) { return }
-      event.preventDefault()
-      area.setPointerCapture(event.pointerId)
-      card.classList.add("dragging")
-      move(event)
-    })
-    area.addEventListener("pointermove", (event) => { if (dragging() && area.hasPointerCapture(event.pointerId)) { move(event) } })
-    for (const end of ["pointerup", "pointercancel"]) {
-      area.addEventListener(end, (event) => {
-        if (!dragging() || !area.hasPointerCapture(event.pointerId)) { return }
-        area.releasePointerCapture(event.pointerId)
-        card.classList.remove("dragging")
-        onRelease()
-      })
+    return {
+      patient: true, doubles: true, move,
+      press(event) { card.classList.add("dragging"); move(event) },
+      release() { card.classList.remove("dragging"); onRelease() },
     }
   }
-  draggable(stage, 16)
-  draggable(ballBox, 4)
+  const onStage = lightTool(stage, 16), onBall = lightTool(ballBox, 4)
+  let tool = onStage
+  const handles = new Map()  // what on the stage is a tool of its own
+  gestures(stage, frame, ({target}) => [...handles].find(([node]) => node.contains(target))?.[1] ?? tool)
+  ballBox.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0) { return }
+    event.preventDefault()
+    ballBox.setPointerCapture(event.pointerId)
+    onBall.press(event)
+  })
+  ballBox.addEventListener("pointermove", (event) => { if (ballBox.hasPointerCapture(event.pointerId)) { onBall.move(event) } })
+  ballBox.addEventListener("lostpointercapture", onBall.release)
+  frame.add(stage)
+  frame.follow(() => {
+    const {scale, crisp, left, top} = frame.place(stage)
+    for (const node of stage.querySelectorAll(".picture")) {
+      node.style.transform = `translate(${left}px, ${top}px) scale(${scale})`
+      node.classList.toggle("pixels", crisp)
+    }
+    fit.hidden = !frame.zoomed
+    fit.textContent = `${Math.round(100 * scale)} %`
+  })
   sliders.forEach(({input}, index) => {
     input.addEventListener("input", () => {
       const value = Number(input.value)
@@ -204,7 +218,9 @@ function lightCard(parent, {name, title, hint, angles, onMove, onRelease}) {
     node.addEventListener("click", onClick)
     return node
   }
-  return {card, stage, picture, pictureImage, ball, measure, show, settle, button}
+  // What is used on the stage from now on: the light, if null.
+  const take = (next) => { tool = next ?? onStage }
+  return {card, stage, picture, pictureImage, ball, measure, show, settle, button, take, handles}
 }
 
 // How far one light is from another, as a share of the full turn (radians), rising smoothly from 0 to 1.

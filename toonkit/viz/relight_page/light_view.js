@@ -5,6 +5,7 @@ function render({model}) {
   root.className = "relight alone"
   element(root, "style", "").textContent = STYLE
   let light = [...model.new_light], scheduled = false, timer = null
+  const frame = pictureFrame()
 
   function send() {
     clearTimeout(timer)
@@ -17,11 +18,26 @@ function render({model}) {
     timer ??= setTimeout(send, SEND_EVERY_MS)
   }
   const card = lightCard(root, {
-    name: "relit", title: model.heading, hint: "Drag the picture or the ball to move the light", angles: light,
+    name: "relit", title: model.heading, hint: "Drag the picture or the ball to move the light", angles: light, frame,
     onMove: (next) => { circle.stop(); move(next) }, onRelease: send,
   })
   const circle = orbit(card, () => light, move, send)
   card.button("Reset to original", "Put the light back where the artist had it", () => { circle.stop(); move([...model.analyzed_light]); send() })
+
+  const split = splitSlider(card, element(card.card.querySelector("header"), "div", "icons"))
+  // Its keys work where the picture or one of its controls has the focus: the rest of a notebook has keys of its own.
+  const keys = {c: split.toggle, ...frame.keys}
+  card.stage.tabIndex = -1
+  card.stage.addEventListener("pointerdown", (event) => {
+    if (event.composedPath()[0] === card.stage) { card.stage.focus({preventScroll: true}) }
+  })
+  root.addEventListener("keydown", (event) => {
+    const action = !event.ctrlKey && !event.metaKey && !event.altKey && keys[event.key.toLowerCase()]
+    if (action) {
+      event.preventDefault()
+      action()
+    }
+  })
 
   const shader = painter(card.picture), ball = ballPainter(card.ball)
   if (!shader) { card.card.querySelector("header p").textContent = "This browser cannot relight it: WebGL2 is missing" }
@@ -41,7 +57,8 @@ function render({model}) {
     root.classList.toggle("empty", textures === null)
     if (!textures) { return }
     const recolored = floats(model.recolored)
-    card.picture.classList.toggle("pixels", Math.max(textures.width, textures.height) <= 160)
+    frame.load(textures)
+    split.load(textures)
     shader?.load(textures)
     shader?.recolor(recolored.length > 0 ? recolored : null)
     ball.load(...shownMap(textures.maps, textures.materials, [], recolored))
@@ -52,7 +69,10 @@ function render({model}) {
   }
   for (const name of LOOKS) { model.on(`change:${name}`, schedule) }
   model.on("change:new_light", () => { if (timer === null && !circle.on) { light = [...model.new_light]; schedule() } })
-  const resized = new ResizeObserver(() => { card.measure(); schedule() })
+  const resized = new ResizeObserver(() => {
+    for (const shown of [frame, card, split]) { shown.measure() }
+    schedule()
+  })
   resized.observe(root)
   shader?.onRestored(schedule)
   model.on("remove", () => { circle.stop(); clearTimeout(timer); resized.disconnect(); shader?.release() })

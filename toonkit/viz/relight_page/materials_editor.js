@@ -15,8 +15,9 @@ const HINTS = {
 
 // `told` is called with what the user does: select, merge, paint, fill, split, recolor, reset; `shown` with the edited ramps, by
 // number, while one of them is being changed.
-function materialsEditor({root, card, stage}, told, shown) {
-  const map = labelMap(stage)
+function materialsEditor({root, drawing, frame}, told, shown) {
+  const {card, stage} = drawing
+  const map = labelMap(stage, frame)
   const ring = element(stage, "div", "ring")
   const panel = element(card, "div", "materials")
   const tools = element(panel, "div", "tools")
@@ -62,7 +63,7 @@ function materialsEditor({root, card, stage}, told, shown) {
 
   const fresh = () => map.fresh
   const isMaterial = (number) => number >= 0 && number < MARK && number !== fresh()
-  const radius = () => Math.max(0.7, (size.value / 100) ** 2 * 0.15 * map.longest)
+  const radius = () => Math.max(0.7, (size.value / 100) ** 2 * 0.15 * frame.longest)
   function use(next) {
     ;[using, hovered] = [next, -1]
     if (next === "pick" && !isMaterial(selected)) { select(-1) }
@@ -234,11 +235,10 @@ function materialsEditor({root, card, stage}, told, shown) {
 
   // ---- the picture: choose a material, or paint
   function follow(event) {
-    const box = stage.getBoundingClientRect()
-    ring.style.transform = `translate(${event.clientX - box.left}px, ${event.clientY - box.top}px) translate(-50%, -50%)`
+    const [x, y] = frame.onStage(stage, event)
+    ring.style.transform = `translate(${x}px, ${y}px) translate(-50%, -50%)`
   }
   function begin(event) {
-    stage.setPointerCapture(event.pointerId)
     if (using === "split") {
       stroke = {path: [map.under(event)], loop: true}
       return
@@ -288,21 +288,28 @@ function materialsEditor({root, card, stage}, told, shown) {
     fill()
     update()
   }
-  stage.addEventListener("pointerdown", (event) => {
-    if (!open || event.button !== 0) { return }
-    event.preventDefault()
-    follow(event)
-    if (using === "split" || (using === "brush" && selected >= 0)) { begin(event) }
-    else if (using === "fill") { pour(event) } else { choose(map.at(event)) }
-  })
+  const hand = {
+    patient: false,
+    get doubles() { return using === "pick" },  // quick dabs of a brush are no double taps
+    press(event) {
+      follow(event)
+      if (using === "split" || (using === "brush" && selected >= 0)) { begin(event) }
+      else if (using === "fill") { pour(event) } else { choose(map.at(event)) }
+    },
+    move(event) { if (stroke) { go(event) } },
+    release() { if (stroke) { finish() } },
+  }
   stage.addEventListener("pointermove", (event) => {
     if (!open) { return }
     follow(event)
-    if (stroke) { go(event) } else if (["pick", "merge"].includes(using)) { hover(map.at(event)) }
+    if (!stroke && ["pick", "merge"].includes(using)) { hover(map.at(event)) }
   })
   stage.addEventListener("pointerleave", () => hover(-1))
-  for (const end of ["pointerup", "pointercancel"]) { stage.addEventListener(end, () => { if (stroke) { finish() } }) }
   size.addEventListener("input", update)
+  frame.follow(() => {
+    map.measure()
+    update()
+  })
 
   // What a key does, and whether it does anything.
   function toggle(button) {
@@ -331,12 +338,9 @@ function materialsEditor({root, card, stage}, told, shown) {
     },
     setOpen(on) {
       ;[open, using, hovered] = [on, "pick", -1]
+      drawing.take(on ? hand : null)
       card.classList.toggle("editing", on)
       hint.textContent = lightHint
-      map.measure()
-      update()
-    },
-    measure() {
       map.measure()
       update()
     },

@@ -4,14 +4,11 @@ const SHORTCUTS = [
   ["Ctrl Z", "Undo, the light included"], ["Ctrl Shift Z", "Redo"], ["?", "This list"],
   ["Arrow keys", "On a ball: move the light by 1°, with Shift by 10°"], ["M", "Light or materials"],
   ["B", "Brush"], ["F", "Fill a region"], ["S", "Split with a lasso"], ["[ ]", "Size of the brush"],
+  ["C", "Compare: as drawn left of a divider, relit right of it"],
+  ["+ - 0", "Magnify both pictures, or fit them; so do Ctrl + wheel and a pinch"],
+  ["Space", "Held: drag a magnified picture"],
   ["Esc", "Put the tool down, then the material"], ["Delete", "On a step of a ramp: remove it"],
 ]
-
-// Whether a key is typed into something that needs it.
-function isTyped(event) {
-  const node = event.composedPath()[0]
-  return node.isContentEditable || node.tagName === "TEXTAREA" || (node.tagName === "INPUT" && !["range", "checkbox", "color"].includes(node.type))
-}
 
 // `actions` has a function for each key; those of letters are not called while Ctrl is down.
 function shortcuts(root, actions) {
@@ -23,12 +20,12 @@ function shortcuts(root, actions) {
   const show = () => { if (!dialog.open) { dialog.showModal() } }
 
   function key(event) {
-    if (isTyped(event) || dialog.open || event.altKey) { return }
+    if (event.defaultPrevented || isTyped(event) || dialog.open || event.altKey) { return }
     const letter = event.key.toLowerCase()
     const control = event.ctrlKey || event.metaKey
     const action = !control ? letter === "?" ? show : actions[letter]
       : letter === "z" ? event.shiftKey ? actions.redo : actions.undo : letter === "y" ? actions.redo : undefined
-    if (!action || (!control && event.shiftKey && letter !== "?")) { return }
+    if (!action || (!control && event.shiftKey && !["?", "+"].includes(letter))) { return }
     if (action() !== false) { event.preventDefault() }
   }
   document.addEventListener("keydown", key)

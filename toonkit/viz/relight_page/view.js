@@ -19,6 +19,7 @@ function render({model}) {
   style.textContent = STYLE
   let original = [...model.original_light], light = [...model.new_light]
   let scheduled = false, originalMoved = true, lastSent = 0, timer = null
+  const frame = pictureFrame()
 
   // ---- light: drawn at once, told to Python at most ten times a second
   function send() {
@@ -34,13 +35,13 @@ function render({model}) {
     if (timer === null) { timer = setTimeout(send, Math.max(0, lastSent + SEND_EVERY_MS - performance.now())) }
   }
   const drawing = lightCard(root, {
-    name: "original", title: "Your drawing", hint: "Drag the artist's light to its place", angles: original,
+    name: "original", title: "Your drawing", hint: "Drag the artist's light to its place", angles: original, frame,
     onMove: (next) => { original = next; scheduleAll() },
     // A new original light means a new analysis: only asked for when the hand lets go.
     onRelease: () => { model.original_light = [...original] },
   })
   const relit = lightCard(root, {
-    name: "relit", title: "Relit", hint: "Drag the picture or the ball to move the light", angles: light,
+    name: "relit", title: "Relit", hint: "Drag the picture or the ball to move the light", angles: light, frame,
     onMove: (next) => { circle.stop(); move(next) },
     onRelease: send,
   })
@@ -61,12 +62,13 @@ function render({model}) {
     ask(action)
     return true
   }
-  const history = element(relit.card.querySelector("header"), "div", "history")
+  const icons = element(relit.card.querySelector("header"), "div", "icons")
+  const split = splitSlider(relit, icons)
   const [undo, redo] = [
     [UNDO, "Undo", "Undo (Ctrl+Z)", () => travel(undo, "undo")], [REDO, "Redo", "Redo (Ctrl+Shift+Z)", () => travel(redo, "redo")],
     ["?", "Keyboard shortcuts", "Keyboard shortcuts (?)", () => keys.show()],
   ].map(([content, words, tip, onClick]) => {
-    const node = element(history, "button", "", content)
+    const node = element(icons, "button", "", content)
     Object.assign(node, {type: "button", title: tip})
     node.setAttribute("aria-label", words)
     node.addEventListener("click", onClick)
@@ -84,7 +86,7 @@ function render({model}) {
     }
     model.send_msg({action, ...details})
   }
-  const editor = materialsEditor({root, card: drawing.card, stage: drawing.stage}, (action, details = {}) => {
+  const editor = materialsEditor({root, drawing, frame}, (action, details = {}) => {
     if (action !== "select") { ask(action, details) }
     else if (model.selected !== details.material) { model.selected = details.material }
   }, recolor)
@@ -131,7 +133,7 @@ function render({model}) {
   }
 
   const keys = shortcuts(root, {
-    undo: () => travel(undo, "undo"), redo: () => travel(redo, "redo"), m: () => setEditing(!editor.open), ...editor.keys,
+    undo: () => travel(undo, "undo"), redo: () => travel(redo, "redo"), m: () => setEditing(!editor.open), c: split.toggle, ...frame.keys, ...editor.keys,
   })
 
   // ---- progress
@@ -187,7 +189,8 @@ function render({model}) {
     const source = drawing.picture
     ;[source.width, source.height] = [width, height]
     source.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(color), width, height), 0, 0)
-    for (const card of [drawing, relit]) { card.picture.classList.toggle("pixels", Math.max(width, height) <= 160) }
+    frame.load(textures)
+    split.load(textures)
     shader?.load(textures)
     takeRamps()
     originalMoved = true
@@ -218,7 +221,11 @@ function render({model}) {
   const showFallback = () => showImage(relit.pictureImage, bytes(model.fallback_picture))
   model.on("change:fallback_picture", showFallback)
   if (!drawn) { showFallback() }
-  const resized = new ResizeObserver(() => { for (const card of [drawing, relit]) { card.measure() } editor.measure(); scheduleAll() })
+  const resized = new ResizeObserver(() => {
+    frame.measure()
+    for (const shown of [drawing, relit, split]) { shown.measure() }
+    scheduleAll()
+  })
   resized.observe(root)
   shader?.onRestored(schedule)
   model.on("remove", () => {

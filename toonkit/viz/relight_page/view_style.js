@@ -20,21 +20,41 @@ const STYLE = `
   flex-direction: column; min-width: 0; }
 .card header { display: flex; align-items: center; gap: 6px 10px; padding: 8px 16px; min-height: 45px; flex-wrap: wrap; }
 .card h2 { margin: 0; font-size: 15px; font-weight: 600; letter-spacing: .01em; }
-.card header p { margin: 0; color: var(--soft); font-size: 12px; }
+.card header p { flex: 1 1 110px; min-width: 0; margin: 0; color: var(--soft); font-size: 12px; }
 .stage { position: relative; height: clamp(240px, calc(100vh - 432px), 720px); touch-action: none; cursor: grab;
   overflow: hidden; background: url("${CHECKERS}") 0 0 / 20px 20px; }
 .dragging .stage, .dragging .ball-box { cursor: grabbing; }
-.picture { position: absolute; inset: 12px; width: calc(100% - 24px); height: calc(100% - 24px); object-fit: contain;
-  user-select: none; -webkit-user-drag: none; }
+.picture { position: absolute; left: 0; top: 0; max-width: none; transform-origin: 0 0; user-select: none; -webkit-user-drag: none; }
 .picture.pixels { image-rendering: pixelated; }
 .empty .picture, .empty .sun, .empty .dot, .stand-in { visibility: hidden; }
 .no-webgl .stand-in { visibility: visible; }
-.no-webgl .relit canvas.picture { visibility: hidden; }
+.no-webgl .after canvas { visibility: hidden; }
 .sun { position: absolute; left: calc(50% - 14px); top: calc(50% - 14px); width: 28px; height: 28px; border-radius: 50%;
   pointer-events: none; background: rgba(255, 255, 255, .92); box-shadow: 0 1px 5px rgba(0, 0, 0, .45); opacity: .78; will-change: transform;
   transition: opacity .15s; }
 .stage:hover .sun, .dragging .sun { opacity: 1; }
 .sun svg { width: 28px; height: 28px; padding: 5px; fill: #f2a11b; stroke: #d98407; stroke-width: 2; stroke-linecap: round; }
+.half { position: absolute; top: 0; bottom: 0; overflow: hidden; pointer-events: none; }
+.before { left: 0; width: var(--split); }
+.after { left: var(--split); right: 0; }
+.after .picture { left: calc(-1 * var(--split)); }
+.split .half::after { position: absolute; top: 10px; padding: 2px 9px; border-radius: 999px; font-size: 12px; white-space: nowrap;
+  color: #fff; background: rgba(20, 20, 22, .72); }
+.split .before::after { content: "As drawn"; left: 10px; }
+.split .after::after { content: "Relit"; right: 10px; }
+.divider { position: absolute; top: 0; bottom: 0; left: calc(var(--split) - 16px); width: 32px; cursor: ew-resize; touch-action: none;
+  outline: none; }
+.divider::before { content: ""; position: absolute; top: 0; bottom: 0; left: 15px; width: 2px; background: #fff;
+  box-shadow: 0 0 4px rgba(0, 0, 0, .6); }
+.divider i { position: absolute; left: 0; top: calc(50% - 16px); width: 32px; height: 32px; border-radius: 50%; background: #fff;
+  box-shadow: 0 1px 6px rgba(0, 0, 0, .5); }
+.divider svg { width: 32px; height: 32px; padding: 5px; fill: none; stroke: #2a2a2e; stroke-width: 2; stroke-linecap: round;
+  stroke-linejoin: round; }
+.divider:focus-visible i { outline: 2px solid var(--accent); outline-offset: 2px; }
+.stage:focus { outline: none; }
+.fit { position: absolute; z-index: 1; right: 10px; bottom: 10px; padding: 3px 9px; font-size: 12px; font-variant-numeric: tabular-nums;
+  border-radius: 999px; border-color: transparent; color: #fff; background: rgba(20, 20, 22, .72); }
+.fit:hover { background: rgba(20, 20, 22, .9); }
 .controls { display: flex; gap: 18px; align-items: center; padding: 14px 16px; border-top: 1px solid var(--line); }
 .ball-box { position: relative; flex: none; width: 112px; height: 112px; cursor: grab; touch-action: none; border-radius: 50%;
   box-shadow: 0 0 0 1px var(--line), 0 4px 14px rgba(0, 0, 0, .22); }
@@ -73,9 +93,9 @@ button svg { width: 15px; height: 15px; fill: currentColor; margin-left: -3px; }
 .modes { display: flex; margin-left: auto; padding: 2px; border-radius: 8px; gap: 2px; background: var(--line); }
 .modes button { border: 0; padding: 3px 10px; border-radius: 6px; font-size: 12px; }
 .modes button[aria-pressed=true] { background: var(--paper); box-shadow: 0 1px 3px rgba(0, 0, 0, .3); }
-.history { display: flex; gap: 6px; margin-left: auto; }
-.history button { padding: 4px; min-width: 28px; height: 28px; justify-content: center; }
-.history svg { fill: none; stroke: currentColor; stroke-width: 2; stroke-linecap: round; stroke-linejoin: round; margin: 0; }
+.icons { display: flex; gap: 6px; margin-left: auto; }
+.icons button { padding: 4px; min-width: 28px; height: 28px; justify-content: center; }
+.icons svg { fill: none; stroke: currentColor; stroke-width: 2; stroke-linecap: round; stroke-linejoin: round; margin: 0; }
 .shortcuts { border: 1px solid var(--line); border-radius: 12px; padding: 0; color: var(--ink); background: var(--paper);
   box-shadow: 0 8px 40px rgba(0, 0, 0, .5); max-width: min(480px, calc(100vw - 32px)); }
 .shortcuts::backdrop { background: rgba(0, 0, 0, .45); }
@@ -94,7 +114,7 @@ kbd { font: inherit; font-size: 12px; padding: 1px 6px; border-radius: 5px; bord
 .tools button { padding: 4px 10px; min-height: 30px; }
 .tools .brush, .tools .fill, .tools .split { padding: 4px 9px; }
 .tools svg { fill: none; stroke: currentColor; stroke-width: 2; stroke-linecap: round; stroke-linejoin: round; margin: 0; }
-.tools button[aria-pressed=true] { background: var(--accent); border-color: var(--accent); color: #1c1206; }
+.tools button[aria-pressed=true], .icons button[aria-pressed=true] { background: var(--accent); border-color: var(--accent); color: #1c1206; }
 button:disabled { opacity: .4; cursor: default; background: transparent; }
 .tools .size { flex: 1 1 60px; min-width: 50px; max-width: 180px; }
 .tools .space { flex: 1; }
@@ -140,9 +160,12 @@ button:disabled { opacity: .4; cursor: default; background: transparent; }
 .label-map { position: absolute; pointer-events: none; }
 .editing .stage { cursor: pointer; }
 .editing .stage[data-tool=brush] { cursor: none; }
+.relight .stage.hand.hand { cursor: grab; }
+.relight .stage.panning.panning { cursor: grabbing; }
+.relight .stage.splitting.splitting { cursor: ew-resize; }
 .ring { position: absolute; left: 0; top: 0; border-radius: 50%; border: 1.5px solid #fff; pointer-events: none;
   box-shadow: 0 0 0 1px rgba(0, 0, 0, .7), inset 0 0 0 1px rgba(0, 0, 0, .5); }
-.editing .stage[data-tool=brush]:hover .ring { display: block; }
+.editing .stage[data-tool=brush]:not(.hand, .panning):hover .ring { display: block; }
 .alone { grid-template-columns: minmax(0, 720px); justify-content: center; }
 .alone .stage { height: min(72vh, 620px); }
 @container (max-width: 600px) {
