@@ -75,6 +75,7 @@ def test_materials_are_merged_undone_and_redone_with_keys_alone(materials_page):
     swatches(materials_page).nth(0).focus()
     materials_page.keyboard.press("ArrowRight")
     materials_page.keyboard.press("Enter")
+    expect(button(materials_page, "Merge into")).to_be_enabled()
     button(materials_page, "Merge into").focus()
     materials_page.keyboard.press("Enter")
     swatches(materials_page).nth(0).focus()

@@ -18,7 +18,7 @@ function gestures(stage, frame, toolAt) {
   const pressed = new Map()  // where on the stage each pressed pointer is
   let doing = null  // wait, use, pan, pinch, or rest until all pointers are up
   let first = null, using = null, timer = null
-  let lastTap = {time: -Infinity}, tapTimer = null
+  let lastTap = {time: -Infinity}, tapTimer = null, waitingTap = null
 
   const away = ([x, y], [fromX, fromY]) => Math.hypot(x - fromX, y - fromY)
 
@@ -47,12 +47,13 @@ function gestures(stage, frame, toolAt) {
       return
     }
     ;[first, using] = [event, toolAt(event)]
+    const double = !panning && isDouble(event)
+    endTap(!double)
     if (panning) {
       doing = "pan"
       stage.classList.add("panning")
-    } else if (isDouble(event)) {
+    } else if (double) {
       doing = "rest"
-      clearTimeout(tapTimer)
       frame.fit()
     } else if (event.pointerType === "touch" || (using.patient && frame.zoomed)) {  // a second finger or tap may follow
       doing = "wait"
@@ -81,8 +82,14 @@ function gestures(stage, frame, toolAt) {
 
   function tap(event) {
     const used = using
-    const press = () => { used.press(event); used.release() }
-    if (frame.zoomed && used.patient) { tapTimer = setTimeout(press, DOUBLE_MS) } else { press() }
+    waitingTap = () => { used.press(event); used.release() }
+    if (frame.zoomed && used.patient) { tapTimer = setTimeout(endTap, DOUBLE_MS, true) } else { endTap(true) }
+  }
+  // Ends the wait for a second tap: the first one counts, or is forgotten.
+  function endTap(counts) {
+    clearTimeout(tapTimer)
+    if (counts) { waitingTap?.() }
+    waitingTap = null
   }
   function end(event) {
     if (!pressed.delete(event.pointerId)) { return }

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-_PAINTING = ("shader.js", "tone_ramp.js", "picture_frame.js", "gestures.js", "light_card.js", "split_slider.js")
+_PAINTING = (
+    "shader.js",
+    "tone_ramp.js",
+    "picture_frame.js",
+    "gestures.js",
+    "light_card.js",
+    "split_slider.js",
+)
 
 EDITOR = (
     *_PAINTING, "label_map.js", "ramp_editor.js", "materials_editor.js", "shortcuts.js", "view_style.js", "view.js"
