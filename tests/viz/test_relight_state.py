@@ -16,6 +16,7 @@ from toonkit import ToneRamp, ToonkitError, relight
 from toonkit.model.normals import encode_normal_map
 from toonkit.viz.relight_page.analyses import SAMPLES
 from toonkit.viz.relight_page.corrections import MARKS
+from toonkit.viz.relight_page.downloads import analysis_file, normal_map_png, relit_png
 from toonkit.viz.relight_page.state import RelightState
 
 
@@ -152,7 +153,7 @@ def test_under_another_original_light_the_answer_that_is_shown_is_where_it_start
 
 def test_the_files_hold_the_relit_picture_and_an_opengl_normal_map(drawing):
     state = opened(drawing)
-    with Image.open(state.relit_png()) as relit, Image.open(state.normal_map_png()) as normal_map:
+    with Image.open(relit_png(state)) as relit, Image.open(normal_map_png(state)) as normal_map:
         np.testing.assert_array_equal(np.asarray(relit), state.relit().to_rgba())
         assert normal_map.mode == "RGBA"
         middle = normal_map.getpixel((normal_map.width // 2, normal_map.height // 2))
@@ -204,7 +205,7 @@ def test_merged_materials_are_analyzed_and_exported_as_one(motley):
     np.testing.assert_array_equal(
         motley.labels, np.where(found.materials.labels == 2, 0, found.materials.labels)
     )
-    with Image.open(motley.relit_png()) as relit, Image.open(motley.normal_map_png()) as normal_map:
+    with Image.open(relit_png(motley)) as relit, Image.open(normal_map_png(motley)) as normal_map:
         fresh = anew(motley)
         light = toonkit.light_direction(*motley.new_light)
         np.testing.assert_array_equal(np.asarray(relit), toonkit.relight(fresh, light).to_rgba())
@@ -244,15 +245,15 @@ def test_a_number_is_kept_where_another_material_is_gone(motley):
 def test_an_edited_ramp_is_in_what_is_exported_without_another_analysis(motley, monkeypatch, tmp_path):
     monkeypatch.setattr(toonkit, "analyze", lambda *_, **__: pytest.fail("analyzed anew"))
     ramp = ToneRamp(["#104010", "#40a040"], [0.2])
-    before = motley.relit_png().getvalue()
+    before = relit_png(motley).getvalue()
     run(motley.recolor(0, asdict(ramp)))
     path = tmp_path / "analysis.npz"
-    path.write_bytes(motley.analysis_file().getvalue())
+    path.write_bytes(analysis_file(motley).getvalue())
     found = toonkit.load_analysis(path).materials.color_maps[0]
     assert np.array_equal(found.colors, ramp.color_map().colors)
-    assert motley.relit_png().getvalue() != before
+    assert relit_png(motley).getvalue() != before
     run(motley.undo())
-    assert motley.relit_png().getvalue() == before
+    assert relit_png(motley).getvalue() == before
     run(motley.redo())
     assert motley.ramps == {0: ramp}
 

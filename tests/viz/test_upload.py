@@ -8,7 +8,7 @@ import pytest
 
 from tests.viz.test_relight_state import run
 from toonkit import ToonkitError
-from toonkit.viz.relight_page import state, upload
+from toonkit.viz.relight_page import opening, upload
 from toonkit.viz.relight_page.state import RelightState
 from toonkit.viz.relight_page.upload import PictureDropper
 
@@ -18,7 +18,7 @@ def refusals(monkeypatch):
     """Files of ten bytes at most; what visitors are told."""
     told: list[str] = []
     monkeypatch.setattr(upload, "MOST_FILE_BYTES", 10)
-    monkeypatch.setattr(state, "MOST_FILE_BYTES", 10)
+    monkeypatch.setattr(opening, "MOST_FILE_BYTES", 10)
     monkeypatch.setattr(upload, "error_reporter", lambda _: lambda error: told.append(str(error)))
     return told
 

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 import toonkit
 from toonkit import ToonAnalysis, ToonImage
 from toonkit.estimation.preparation import PreparedDrawing
-from toonkit.viz.relight_page.corrections import LabelVersion
+from toonkit.samples import sample_light, sample_path
+from toonkit.viz.relight_page.corrections import LabelVersion, Marks
+from toonkit.viz.relight_page.settings import DEFAULT_METHOD
 from toonkit.viz.turns import TURNS, Progress
 
 KEPT_ANALYSES = 6
@@ -103,3 +105,21 @@ def digest_of(image: ToonImage) -> str:
     for part in (image.mask, image.alpha):
         content.update(np.ascontiguousarray(part).tobytes())
     return content.hexdigest()
+
+
+def prepare_sample(name: str) -> None:
+    """Analyze a sample ahead of time, so that the next page to open it need not wait."""
+    image = toonkit.load_image(sample_path(name))
+    question = Question(digest_of(image), DEFAULT_METHOD, sample_light(name))
+    answer(question, Evidence(image), lambda _step, _fraction: None, SAMPLES)
+
+
+def base_of(
+    image: ToonImage, shown: ToonAnalysis | None, marks: tuple[Marks | None, Marks | None]
+) -> ToonImage | PreparedDrawing:
+    """Return the drawing on screen, to share what does not change, unless it was given marks that are taken back."""
+    if shown is None:
+        return image
+    given = shown.drawing.given_ink, shown.drawing.given_highlights
+    taken_back = any(old is not None and new is None for old, new in zip(given, marks, strict=True))
+    return image if taken_back else shown.drawing

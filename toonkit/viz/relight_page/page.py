@@ -6,6 +6,7 @@ import asyncio
 import threading
 import weakref
 from collections.abc import Awaitable, Callable
+from functools import partial
 from typing import Any
 
 import panel as pn
@@ -18,8 +19,11 @@ from toonkit.model.light import describe_light
 from toonkit.samples import sample_names, sample_path, sample_title
 from toonkit.viz.choice_cards import ChoiceCards, picture_choices, text_choices
 from toonkit.viz.page_style import THEME, WIDE, after_updates, error_reporter, heading, tell_remarks
+from toonkit.viz.relight_page.analyses import prepare_sample
+from toonkit.viz.relight_page.downloads import analysis_file, normal_map_png, relit_png
 from toonkit.viz.relight_page.height_view import HeightView, encode_surface
-from toonkit.viz.relight_page.state import METHOD_DESCRIPTIONS, RelightState, prepare_sample
+from toonkit.viz.relight_page.settings import METHOD_DESCRIPTIONS
+from toonkit.viz.relight_page.state import RelightState
 from toonkit.viz.relight_page.upload import PictureDropper
 from toonkit.viz.relight_page.view import RelightView
 from toonkit.viz.session_end import free_when_left
@@ -211,7 +215,7 @@ def downloads(state: RelightState) -> pn.Column:
     """Return the download buttons."""
     buttons = [
         pmui.FileDownload(
-            callback=make,
+            callback=partial(make, state),
             filename=filename,
             label=label,
             variant="outlined",
@@ -220,9 +224,9 @@ def downloads(state: RelightState) -> pn.Column:
             disabled=state.param.analysis.rx.is_(None),
         )
         for label, filename, make in (
-            ("Relit picture", "relit.png", state.relit_png),
-            ("Normal map", "normal_map.png", state.normal_map_png),
-            ("Whole analysis", "analysis.npz", state.analysis_file),
+            ("Relit picture", "relit.png", relit_png),
+            ("Normal map", "normal_map.png", normal_map_png),
+            ("Whole analysis", "analysis.npz", analysis_file),
         )
     ]
     return pn.Column(heading("Download"), *buttons, **WIDE)

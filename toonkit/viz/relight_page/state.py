@@ -2,81 +2,51 @@
 
 from __future__ import annotations
 
-import asyncio
-import threading
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from io import BytesIO
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, TypeVar
 
 import numpy as np
 import param
-from numpy.typing import NDArray
-from PIL import Image
 
 import toonkit
 from toonkit import ToonAnalysis, ToonImage
-from toonkit._validation import collect_warnings, refuse
-from toonkit.estimation.preparation import PreparedDrawing
-from toonkit.model.light import OPENING_LIGHT
-from toonkit.model.luminance import color_of_hex
-from toonkit.model.normals import encode_normal_map
 from toonkit.model.tone_ramp import ToneRamp
 from toonkit.samples import sample_light, sample_path
-from toonkit.viz.relight_page.analyses import SAMPLES, Evidence, Kept, Question, answer, digest_of
+from toonkit.viz.latest_task import LatestTask, TaskReport
+from toonkit.viz.relight_page.analyses import (
+    SAMPLES,
+    Evidence,
+    Kept,
+    Question,
+    answer,
+    base_of,
+    digest_of,
+)
 from toonkit.viz.relight_page.corrections import (
     LabelVersion,
-    Look,
-    Marks,
     MaterialCorrections,
     Numbers,
     materials_of,
     numbers_in,
 )
-from toonkit.viz.turns import TURNS, Progress
-
-METHOD_DESCRIPTIONS = {
-    "toonkit": ("toonkit", "Recommended: knows shapes, keeps the colors"),
-    "classical": ("classical", "The same without what it has learned"),
-    "todo": ("Todo et al.", "The published method, step by step"),
-    "lumo": ("Lumo", "Puffs up the outline, ignores the shading"),
-    "lambert": ("Lambert", "Reads the tones as plain, even shading"),
-}
-"""Name for people and one line of advice for each method."""
-
-DEFAULT_METHOD = "toonkit"
+from toonkit.viz.relight_page.opening import check_size, read_picture
+from toonkit.viz.relight_page.settings import SETTINGS, RelightSettings
+from toonkit.viz.turns import TURNS
 
 KEPT_CORRECTIONS = 12
 """Drawings of which a visitor's corrections are kept, for coming back to them."""
 
-MOST_FILE_BYTES = 60 * 10**6
-"""Largest picture file that a visitor may open."""
-
-PROGRESS_SECONDS = 0.08
-"""Pause between two progress reports: faster ones only fill the connection."""
+STEP_SECONDS = 0.8
+"""Pause after which a change of the same setting is a step of its own: a drag is undone as a whole."""
 
 Result = TypeVar("Result")
 
 
-SETTINGS = (
-    "new_light", "original_light", "method", "keep_detail", "flat_shading", "light_color", "ambient"
-)  # fmt: skip
-"""What is undone and done again beside corrections of the materials."""
-
-STEP_SECONDS = 0.8
-"""Pause after which a change of the same setting is a step of its own: a drag is undone as a whole."""
-
-
-class CancelledError(Exception):
-    """Raised inside a computation to end it."""
-
-
-class RelightState(param.Parameterized):
+class RelightState(RelightSettings):
     """
     A drawing, its analysis on screen, and the light it is shown under.
 
@@ -87,21 +57,10 @@ class RelightState(param.Parameterized):
     --------
     >>> state = RelightState()
     >>> asyncio.run(state.open_sample("duck"))  # doctest: +SKIP
-    >>> state.relit_png()  # doctest: +SKIP
+    >>> state.relit()  # doctest: +SKIP
     """
 
     sample = param.String("", doc='Name of the sample on screen; "" for a picture of the user\'s own.')
-    method = param.String(DEFAULT_METHOD, doc="Name of the estimator in METHODS.")
-    original_light = param.List(
-        [135.0, 45.0], bounds=(2, 2), doc="Azimuth and elevation of the artist's light, degrees."
-    )
-    new_light = param.List(
-        list(OPENING_LIGHT), bounds=(2, 2), doc="Azimuth and elevation of the new light, degrees."
-    )
-    keep_detail = param.Boolean(True, doc="Keep what the artist painted on top of the color map.")
-    flat_shading = param.Number(1.0, bounds=(0, 1), doc="How much materials in one tone answer to the light.")
-    light_color = param.Color("#ffffff", allow_named=False, doc="Color of the new light.")
-    ambient = param.Number(0.0, bounds=(0, 1), doc="How much light comes from all sides.")
     analysis = param.Parameter(None, doc="The ToonAnalysis on screen.")
     selected = param.Integer(-1, doc="Number of the material being looked at, as in `labels`; -1 for none.")
     can_undo = param.Boolean(False, doc="Whether a correction of the materials can be undone.")
@@ -116,8 +75,7 @@ class RelightState(param.Parameterized):
 
     def __init__(self, **params: object) -> None:
         super().__init__(**params)
-        self._stop = threading.Event()
-        self._turn = asyncio.Lock()
+        self._task = LatestTask(lambda step, fraction: self.param.update(step=step, fraction=fraction))
         self._own: Kept = OrderedDict()
         self._corrections: OrderedDict[str, MaterialCorrections] = OrderedDict()
         self._digest = ""
@@ -146,12 +104,8 @@ class RelightState(param.Parameterized):
         ToonkitError
             If it is no picture, or too large.
         """
-        if not isinstance(content, bytes):
-            raise refuse("source", "must be a picture file", "a text")
-        if len(content) > MOST_FILE_BYTES:
-            rule = f"must have at most {MOST_FILE_BYTES // 10**6} MB"
-            raise refuse("source", rule, f"{len(content) / 10**6:.0f} MB")
-        opened = await self._work("opening the drawing", lambda _: _read(content))
+        picture = check_size(content)
+        opened = await self._work("opening the drawing", lambda _: read_picture(picture))
         if opened is None:
             return []
         image, warned = opened
@@ -243,11 +197,11 @@ class RelightState(param.Parameterized):
 
     def cancel(self) -> None:
         """End the computation under way, if there is one."""
-        self._stop.set()
+        self._task.cancel()
 
     def close(self) -> None:
         """End what is under way, and let go of everything large: the visitor has left."""
-        self.cancel()
+        self._task.overtake()
         self._own.clear()
         self._corrections.clear()
         with param.parameterized.discard_events(self):
@@ -265,32 +219,7 @@ class RelightState(param.Parameterized):
 
     def relit(self) -> ToonImage:
         """Return the picture on screen under the new light."""
-        light = toonkit.light_direction(*self.new_light)
-        return toonkit.relight(
-            self.recolored,
-            light,
-            keep_detail=self.keep_detail,
-            flat_shading=self.flat_shading,
-            light_color=color_of_hex(self.light_color),
-            ambient=self.ambient,
-        )
-
-    def relit_png(self) -> BytesIO:
-        """Return the relit picture as an RGBA PNG file."""
-        return _png_file(self.relit().to_rgba())
-
-    def normal_map_png(self) -> BytesIO:
-        """Return the normals as an OpenGL normal map, transparent outside the object."""
-        normals = self.analysis.normals
-        coverage = np.where(normals.mask, 255, 0).astype(np.uint8)
-        return _png_file(np.dstack([encode_normal_map(normals), coverage]))
-
-    def analysis_file(self) -> BytesIO:
-        """Return the whole analysis, edited ramps included, as a file that `toonkit.load_analysis` reads."""
-        with TemporaryDirectory() as folder:
-            path = Path(folder) / "analysis.npz"
-            self.recolored.save(path)
-            return BytesIO(path.read_bytes())
+        return self.relight(self.recolored)
 
     @property
     def _wish(self) -> tuple[object, ...]:
@@ -314,21 +243,12 @@ class RelightState(param.Parameterized):
         finally:
             self.settled += 1
 
-    @property
-    def _look(self) -> Look:
-        """The settings, as something to compare."""
-        values = ((name, getattr(self, name)) for name in SETTINGS)
-        return tuple(
-            (name, tuple(round(angle, 3) for angle in value) if isinstance(value, list) else value)
-            for name, value in values
-        )
-
     @param.depends(*SETTINGS, watch=True)
     def _remember(self) -> None:
         """Make a step of what the visitor has changed."""
         if self._recalling or self._digest not in self._corrections:
             return
-        look = self._look
+        look = self.look
         changed = {name for name, _ in set(look) - set(self.corrections.look)}
         if not changed:
             return
@@ -339,14 +259,8 @@ class RelightState(param.Parameterized):
 
     def _recall(self) -> None:
         """Return to the settings of the step that the corrections are at."""
-        recalled = dict(set(self.corrections.look) - set(self._look))
         with self._silently():
-            self.param.update(
-                **{
-                    name: list(value) if isinstance(value, tuple) else value
-                    for name, value in recalled.items()
-                }
-            )
+            self.take(self.corrections.look)
 
     @contextmanager
     def _silently(self) -> Iterator[None]:
@@ -382,7 +296,7 @@ class RelightState(param.Parameterized):
                 evidence = Evidence(image, previous=shown)
             elif corrections is not None and version is not None:
                 marks = corrections.ink, corrections.highlights
-                evidence = Evidence(_base(image, shown, marks), corrections.labels, *marks)
+                evidence = Evidence(base_of(image, shown, marks), corrections.labels, *marks)
             analysis = await self._work(
                 "reading the drawing", lambda progress: answer(question, evidence, progress, kept), waits=True
             )
@@ -410,62 +324,15 @@ class RelightState(param.Parameterized):
         if another:
             with self._silently():
                 self.param.update(original_light=angles)
-            self.corrections.change_look(self._look, again=True)
+            self.corrections.change_look(self.look, again=True)
         self.param.update(sample=sample, analysis=analysis, original_light=angles, selected=selected)
 
     async def _work(
-        self, step: str, task: Callable[[Progress], Result], *, waits: bool = False
+        self, step: str, task: Callable[[TaskReport], Result], *, waits: bool = False
     ) -> Result | None:
-        """
-        Run a task in a thread; None if it was cancelled or overtaken. What it raises is raised here.
-
-        A task that waits for its turn does so in a thread for that, and keeps none from those that do not.
-        """
-        self._stop.set()  # a newer wish ends the computation of an older one
-        stop = self._stop = threading.Event()
-        async with self._turn:
-            if stop.is_set():
-                return None
-            self.param.update(step=step, fraction=0.0)
-            try:
-                loop = asyncio.get_running_loop()
-                result = await loop.run_in_executor(
-                    TURNS.threads if waits else None, task, self._progress(stop)
-                )
-            except CancelledError:
-                result = None
-            except BaseException:
-                self._restore()
-                raise
-            finally:
-                self.param.update(step="", fraction=0.0)
-            if not stop.is_set():
-                return result
-            if stop is self._stop:
-                self._restore()
-            return None
-
-    def _progress(self, stop: threading.Event) -> Progress:
-        """Return the callback that a computing thread reports to, and is cancelled through."""
-        loop = asyncio.get_running_loop()
-        shown_at = 0.0
-
-        def report(step: str, fraction: float) -> None:
-            nonlocal shown_at
-            if stop.is_set():
-                raise CancelledError
-            now = time.monotonic()
-            if now - shown_at > PROGRESS_SECONDS:
-                shown_at = now
-                fraction = min(max(float(fraction), 0.0), 1.0)
-                loop.call_soon_threadsafe(self._show_progress, stop, step, fraction)
-
-        return report
-
-    def _show_progress(self, stop: threading.Event, step: str, fraction: float) -> None:
-        # A report may arrive after its computation has ended, or after another one has begun.
-        if self.step and stop is self._stop:
-            self.param.update(step=step, fraction=fraction)
+        """Run a task in a thread: see `LatestTask.run`. One that waits for its turn does so in a thread for that."""
+        threads = TURNS.threads if waits else None
+        return await self._task.run(step, task, threads=threads, give_up=self._restore)
 
     def _restore(self) -> None:
         """Take back wishes that were not fulfilled."""
@@ -473,40 +340,10 @@ class RelightState(param.Parameterized):
             with self._silently():
                 self.param.update(method=self.analysis.method, original_light=_angles(self.analysis))
             self.corrections.restore(self._version)
-            self.corrections.change_look(self._look, again=True)
+            self.corrections.change_look(self.look, again=True)
             self._show_corrections()
-
-
-def prepare_sample(name: str) -> None:
-    """Analyze a sample ahead of time, so that the next page to open it need not wait."""
-    image = toonkit.load_image(sample_path(name))
-    question = Question(digest_of(image), DEFAULT_METHOD, sample_light(name))
-    answer(question, Evidence(image), lambda _step, _fraction: None, SAMPLES)
-
-
-def _read(content: bytes) -> tuple[ToonImage, list[str]]:
-    with collect_warnings() as warned:
-        return toonkit.load_image(BytesIO(content)), warned
 
 
 def _angles(analysis: ToonAnalysis) -> list[float]:
     """Azimuth and elevation of the light of an analysis, rounded to what a slider can tell apart."""
     return [round(angle, 3) for angle in toonkit.light_angles(analysis.light)]
-
-
-def _png_file(pixels: NDArray[np.unsignedinteger]) -> BytesIO:
-    file = BytesIO()
-    Image.fromarray(pixels).save(file, "PNG")
-    file.seek(0)
-    return file
-
-
-def _base(
-    image: ToonImage, shown: ToonAnalysis | None, marks: tuple[Marks | None, Marks | None]
-) -> ToonImage | PreparedDrawing:
-    """Return the drawing on screen, to share what does not change, unless it was given marks that are taken back."""
-    if shown is None:
-        return image
-    given = shown.drawing.given_ink, shown.drawing.given_highlights
-    taken_back = any(old is not None and new is None for old, new in zip(given, marks, strict=True))
-    return image if taken_back else shown.drawing

@@ -8,7 +8,7 @@ import panel as pn
 
 from toonkit._validation import refuse
 from toonkit.viz.page_style import error_reporter
-from toonkit.viz.relight_page.state import MOST_FILE_BYTES
+from toonkit.viz.relight_page.opening import MOST_FILE_BYTES
 
 
 class PictureDropper(pn.widgets.FileDropper):

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
-import threading
 from collections import OrderedDict
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -16,6 +13,7 @@ from toonkit._validation import refuse
 from toonkit.study.measures import MEASURES
 from toonkit.study.reporting.cells import names_in, tracks
 from toonkit.study.trials import LightTrack, StudySettings
+from toonkit.viz.latest_task import LatestTask, TaskReport
 from toonkit.viz.study_page.examination import EXAMINED_SIZE, Examination, examine
 from toonkit.viz.study_page.matrix import TrialMatrix, spoken, trial_matrix
 from toonkit.viz.turns import TURNS
@@ -34,10 +32,6 @@ Cell = tuple[str, str]
 Key = tuple[Cell, LightTrack, tuple[str, ...], StudySettings]
 
 _kept: OrderedDict[Key, Examination] = OrderedDict()
-
-
-class CancelledError(Exception):
-    """Raised inside an examination to end it."""
 
 
 class StudyState(param.Parameterized):
@@ -84,8 +78,7 @@ class StudyState(param.Parameterized):
         self.methods = names_in(trials, "method")
         self.shapes = names_in(trials, "shape")
         self.color_maps = names_in(trials, "color_map")
-        self._stop = threading.Event()
-        self._turn = asyncio.Lock()
+        self._task = LatestTask(lambda step, fraction: self.param.update(step=step, fraction=fraction))
         self._offer()
         self.select(*self.typical())
         self.examination = _kept.get(self._key())
@@ -175,7 +168,7 @@ class StudyState(param.Parameterized):
 
     def close(self) -> None:
         """End the examination under way: the visitor has left."""
-        self._stop.set()
+        self._task.overtake()
 
     def _ranked(self, share: float) -> Cell:
         matrix = self.matrix()
@@ -188,54 +181,37 @@ class StudyState(param.Parameterized):
 
     async def examine(self) -> None:
         """Let every method analyze the selected trial again; a newer selection ends it, what fails puts the old back."""
-        self._stop.set()
-        stop = self._stop = threading.Event()
-        key = self._key()
-        async with self._turn:
-            if stop.is_set():
-                return
-            if key in _kept:
-                _kept.move_to_end(key)
-                self.examination = _kept[key]
-                return
-            before = self.examination
-            try:
-                loop = asyncio.get_running_loop()
-                examination = await loop.run_in_executor(TURNS.threads, self._examine, key, loop, stop)
-                _keep(key, examination)
-                if not stop.is_set():
-                    self.examination = examination
-            except CancelledError:
-                pass
-            except BaseException:
-                if before is not None and stop is self._stop:
-                    self.param.update(examination=before, shape=before.shape, color_map=before.color_map)
-                raise
-            finally:
-                self.param.update(step="", fraction=0.0)
+        key, before = self._key(), self.examination
+        kept = _kept.pop(key, None)
+        if kept is not None:
+            _keep(key, kept)
+            self._task.overtake()
+            self.examination = kept
+            return
+
+        def restore() -> None:
+            if before is not None:
+                self.param.update(examination=before, shape=before.shape, color_map=before.color_map)
+
+        examination = await self._task.run(
+            "", lambda report: self._examine(key, report), threads=TURNS.threads, give_up=restore
+        )
+        if examination is not None:
+            self.examination = examination
 
     def _key(self) -> Key:
         size = min(self.settings.size, EXAMINED_SIZE)
         return (self.shape, self.color_map), self.light_track, self.methods, replace(self.settings, size=size)
 
-    def _examine(self, key: Key, loop: asyncio.AbstractEventLoop, stop: threading.Event) -> Examination:
-        """Examine in a thread; what it reports is shown by the event loop, as long as nothing newer is wished for."""
-
-        def show(**news: object) -> None:
-            if stop is self._stop and not stop.is_set():
-                self.param.update(**news)
-
-        def progress(step: str, fraction: float) -> None:
-            if stop.is_set():
-                raise CancelledError
-            loop.call_soon_threadsafe(partial(show, step=step, fraction=fraction))
+    def _examine(self, key: Key, report: TaskReport) -> Examination:
+        """Examine in a thread, showing what is answered so far."""
 
         def partly(examination: Examination) -> None:
-            loop.call_soon_threadsafe(partial(show, examination=examination))
+            report.put(lambda: self.param.update(examination=examination))
 
         (shape, color_map), light_track, methods, settings = key
-        with TURNS.turn(progress) as limited:
-            return examine(
+        with TURNS.turn(report) as limited:
+            examination = examine(
                 shape,
                 color_map,
                 methods=methods,
@@ -244,6 +220,8 @@ class StudyState(param.Parameterized):
                 progress=limited,
                 partly=partly,
             )
+        _keep(key, examination)
+        return examination
 
 
 def _keep(key: Key, examination: Examination) -> None:
