@@ -38,7 +38,7 @@ import asyncio
 from pathlib import Path
 from toonkit.viz.relight_page.state import RelightState
 state = RelightState()
-asyncio.run(state.open_file(Path(drawing).read_bytes()))
+asyncio.run(state.open_file("drawing.png", Path(drawing).read_bytes()))
 state.analysis.save(folder + "/analysis.npz")
 """,
 }

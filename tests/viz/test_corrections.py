@@ -7,7 +7,8 @@ import pytest
 
 from toonkit import ToneRamp, ToonkitError
 from toonkit.viz.relight_page import corrections as module
-from toonkit.viz.relight_page.corrections import MARKS, MaterialCorrections
+from toonkit.viz.relight_page.codes import MARKS
+from toonkit.viz.relight_page.corrections import MaterialCorrections
 
 
 @pytest.fixture

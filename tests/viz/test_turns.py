@@ -112,7 +112,7 @@ def test_a_turn_that_takes_too_long_ends_and_says_what_to_do() -> None:
 def test_a_drawing_that_takes_too_long_leaves_the_other_one_on_screen(monkeypatch) -> None:
     first, second = drawings(2)
     state = RelightState(method="lumo")
-    run(state.open_file(first))
+    run(state.open_file("drawing.png", first))
     shown = state.analysis
 
     def endless(*_, progress, **__):
@@ -122,7 +122,7 @@ def test_a_drawing_that_takes_too_long_leaves_the_other_one_on_screen(monkeypatc
     monkeypatch.setattr(toonkit, "analyze", endless)
     monkeypatch.setattr(analyses, "TURNS", Turns(most_seconds=0.05))
     with pytest.raises(ToonkitError, match="takes longer"):
-        run(state.open_file(second))
+        run(state.open_file("drawing.png", second))
     assert state.analysis is shown
     assert state.step == ""
 
@@ -144,11 +144,11 @@ def test_a_visitor_with_many_drawings_delays_another_by_one_at_most(monkeypatch)
     async def visit() -> None:
         async def open_many() -> None:
             for content in many:
-                await busy.open_file(content)
+                await busy.open_file("drawing.png", content)
 
         visits = asyncio.create_task(open_many())
         await asyncio.to_thread(first_started.wait, PATIENCE_SECONDS)
-        later = asyncio.create_task(late.open_file(other))
+        later = asyncio.create_task(late.open_file("drawing.png", other))
         async with asyncio.timeout(PATIENCE_SECONDS):
             while late.step != "waiting for another drawing":
                 await asyncio.sleep(0.01)

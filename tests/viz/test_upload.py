@@ -63,4 +63,4 @@ def test_after_a_refusal_the_next_file_arrives(refusals):
 @pytest.mark.parametrize("content", [bytes(11), "text"])
 def test_what_is_too_large_or_no_file_is_not_opened(refusals, content):
     with pytest.raises(ToonkitError, match="source must"):
-        run(RelightState().open_file(content))
+        run(RelightState().open_file("drawing.png", content))

@@ -59,6 +59,12 @@ def heading(text: str) -> pmui.Typography:
     return pmui.Typography(text, variant="overline", margin=(8, 12, 0, 12))
 
 
+def note(text: str, **params: Any) -> pmui.Typography:
+    """Return a line of advice beside what it is about."""
+    usual = {"variant": "body2", "color": "text.secondary", "margin": (8, 10, 4, 10)}
+    return pmui.Typography(text, **{**usual, **params})
+
+
 async def after_updates(follow: Callable[[], object]) -> None:
     """Send updates that change nothing on screen after one that must arrive."""
     for pause in UNSENT_SECONDS:

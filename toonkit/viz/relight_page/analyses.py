@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +12,11 @@ from numpy.typing import NDArray
 import toonkit
 from toonkit import ToonAnalysis, ToonImage
 from toonkit.estimation.preparation import PreparedDrawing
+from toonkit.export.packing import pack_normals, unpack_normals
+from toonkit.model.normals import NormalField
 from toonkit.samples import sample_light, sample_path
-from toonkit.viz.relight_page.corrections import LabelVersion, Marks
+from toonkit.viz.relight_page.codes import LabelVersion
+from toonkit.viz.relight_page.corrections import Marks
 from toonkit.viz.relight_page.settings import DEFAULT_METHOD
 from toonkit.viz.turns import TURNS, Progress
 
@@ -71,13 +74,34 @@ class Evidence:
     previous: ToonAnalysis | None = None
 
 
-Kept = OrderedDict[Question, ToonAnalysis]
+STARTING = frozenset({"toonkit", "classical"})
+"""Methods whose answer depends on the analysis that they start from."""
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """
+    An analysis, and how it came about.
+
+    Attributes
+    ----------
+    analysis : ToonAnalysis
+        The analysis.
+    is_plain : bool
+        Whether `toonkit.analyze` makes the same of the picture's file with nothing but the method and the light.
+    """
+
+    analysis: ToonAnalysis
+    is_plain: bool = False
+
+
+Kept = OrderedDict[Question, Answer]
 
 SAMPLES: Kept = OrderedDict()
 """Those of the samples, for all visitors; those of a visitor's own drawings and corrections are kept with their state."""
 
 
-def answer(question: Question, evidence: Evidence, progress: Progress, kept: Kept) -> ToonAnalysis:
+def answer(question: Question, evidence: Evidence, progress: Progress, kept: Kept) -> Answer:
     """Analyze a picture once its turn has come, unless somebody has done so."""
     with TURNS.turn(progress) as limited:
         if question not in kept:
@@ -91,12 +115,22 @@ def answer(question: Question, evidence: Evidence, progress: Progress, kept: Kep
                 previous=evidence.previous,
                 progress=limited,
             )
+            is_plain = question.version is None and evidence.highlights is None
+            if evidence.previous is not None and question.method in STARTING:
+                is_plain = False
+            found = Answer(analysis if is_plain else _as_saved(analysis), is_plain)
             if analysis.image.mask.size > KEPT_PIXELS:
-                return analysis
-            kept[question] = analysis
+                return found
+            kept[question] = found
             while len(kept) > KEPT_ANALYSES:
                 kept.popitem(last=False)
         return kept[question]
+
+
+def _as_saved(analysis: ToonAnalysis) -> ToonAnalysis:
+    """Return an analysis that only a file can bring back as it comes back, with rounded normals: no pixel changes then."""
+    rounded = unpack_normals(pack_normals(analysis.normals.compact))
+    return replace(analysis, normals=NormalField.of_pixels(rounded, analysis.image.mask))
 
 
 def digest_of(image: ToonImage) -> str:

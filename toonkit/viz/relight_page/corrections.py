@@ -2,36 +2,37 @@
 
 from __future__ import annotations
 
-import zlib
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from toonkit import ToonAnalysis
 from toonkit._validation import refuse
 from toonkit.model.tone_ramp import ToneRamp
+from toonkit.viz.relight_page.codes import (
+    HIGHLIGHT,
+    INK,
+    MARKS,
+    MOST_MATERIALS,
+    PLAIN,
+    SHADOW,
+    LabelVersion,
+    Numbers,
+    materials_in,
+    materials_of,
+    numbers_in,
+    packed_codes,
+    unpacked_codes,
+)
 from toonkit.viz.relight_page.regions import connected, loop, path_of, stroke
-
-MOST_MATERIALS = 4096
-"""Materials at most, for their numbers to fit in 16 bits with room to spare."""
 
 MOST_STEPS = 200
 """Corrections that can be undone."""
 
-MARKS = {
-    name: MOST_MATERIALS * (place + 1) for place, name in enumerate(("ink", "highlight", "shadow", "plain"))
-}
-"""What a pixel may be marked as beside its material: ink, a highlight, a cast shadow, or neither of these. Each number is
-added to that of the material."""
-
-INK, HIGHLIGHT, SHADOW, PLAIN = (mark // MOST_MATERIALS for mark in MARKS.values())
-
 Look = tuple[tuple[str, Hashable], ...]
-Numbers = NDArray[np.int16]
 Marks = NDArray[np.bool_]
-LabelVersion = bytes
-"""One state of the label map, compressed: a drawing of 512 by 512 pixels takes a few kilobytes."""
 
 
 @dataclass(frozen=True)
@@ -92,8 +93,26 @@ class MaterialCorrections:
             np.packbits(np.zeros(found.shape, np.bool_) if marks is None else marks)
             for marks in (ink, highlights)
         )
-        self._versions = [Version(_packed(found))]
+        self._versions = [Version(packed_codes(found))]
         self._position = 0
+
+    @classmethod
+    def of(cls, analysis: ToonAnalysis) -> MaterialCorrections:
+        """Return the materials, the ink and the highlights that an analysis has found, without corrections."""
+        drawing = analysis.drawing
+        highlit = np.zeros(drawing.shape, np.bool_)
+        highlit[drawing.places(drawing.mixed.pixels[drawing.mixed.highlit])] = True
+        return cls(analysis.materials.labels, drawing.ink_coverage >= 0.5, highlit)
+
+    @property
+    def found_ink(self) -> Marks:
+        """Where ink was found, shape (H, W)."""
+        return self._unpacked(self._ink)
+
+    @property
+    def found_highlights(self) -> Marks:
+        """Where highlights were found, shape (H, W)."""
+        return self._unpacked(self._highlights)
 
     @property
     def labels_version(self) -> LabelVersion | None:
@@ -136,7 +155,7 @@ class MaterialCorrections:
         mark = self.codes // MOST_MATERIALS
         if not np.isin(mark, (INK, PLAIN)).any():
             return None
-        ink: Marks = (self._unpacked(self._ink) & (mark <= 0)) | (mark == INK)
+        ink: Marks = (self.found_ink & (mark <= 0)) | (mark == INK)
         return ink
 
     @property
@@ -145,7 +164,7 @@ class MaterialCorrections:
         mark = self.codes // MOST_MATERIALS
         if not (mark > 0).any():
             return None
-        kept = self._unpacked(self._highlights) & (mark <= 0)
+        kept = self.found_highlights & (mark <= 0)
         highlights: Marks = kept | (mark == HIGHLIGHT) | (mark == SHADOW)
         return highlights
 
@@ -161,13 +180,12 @@ class MaterialCorrections:
 
     def codes_of(self, version: LabelVersion | None) -> Numbers:
         """Return the materials and marks of a version."""
-        content = zlib.decompress(version or self._versions[0].labels)
-        return np.frombuffer(content, np.int16).reshape(self._shape).copy()
+        return unpacked_codes(version or self._versions[0].labels, self._shape)
 
     def merge(self, material: int, into: int) -> None:
         """Give all pixels of a material to another one."""
         codes = self.codes
-        numbers = _numbers_in_codes(codes)
+        numbers = materials_in(codes)
         for name, number in (("material", material), ("into", into)):
             if number not in numbers:
                 raise refuse(name, "must be one of the materials", number)
@@ -202,7 +220,7 @@ class MaterialCorrections:
         enclosed = loop(path_of(path), self._shape)
         if material >= 0:
             enclosed &= codes == material
-        self._give(codes, enclosed, max(_numbers_in_codes(codes)) + 1)
+        self._give(codes, enclosed, max(materials_in(codes)) + 1)
 
     def recolor(self, material: int, ramp: ToneRamp | None) -> None:
         """Give a material other tones, or, with None, those that were found."""
@@ -224,6 +242,22 @@ class MaterialCorrections:
             self._position -= 1
         else:
             self._versions[self._position] = version
+
+    def resume(self, codes: Numbers, ramps: Mapping[int, ToneRamp]) -> None:
+        """
+        Go on with corrections that were made before, as one step.
+
+        Parameters
+        ----------
+        codes : ndarray of int, shape (H, W)
+            As `codes` has been.
+        ramps : mapping of int to ToneRamp
+            As `ramps` has been.
+        """
+        inside, found = codes >= 0, self.codes_of(None) >= 0
+        if not np.array_equal(inside, found) or codes.max() >= MOST_MATERIALS * (PLAIN + 1):
+            raise refuse("codes", "must be materials and marks of the object's pixels", "others")
+        self._add(replace(self._version, labels=packed_codes(codes), ramps=tuple(sorted(ramps.items()))))
 
     def reset(self) -> None:
         """Return to the materials that were found; this can be undone, too."""
@@ -248,7 +282,7 @@ class MaterialCorrections:
 
     def _give(self, codes: Numbers, region: Marks, material: int) -> None:
         """Give a region (H, W) to a material, or mark it."""
-        numbers, marked = _numbers_in_codes(codes), material in MARKS.values()
+        numbers, marked = materials_in(codes), material in MARKS.values()
         if not marked and (material not in (*numbers, numbers[-1] + 1) or material >= MOST_MATERIALS):
             raise refuse("material", "must be one of the materials, the next number, or a mark", material)
         region = region & (codes >= 0)
@@ -259,7 +293,7 @@ class MaterialCorrections:
         return np.unpackbits(bits, count=int(np.prod(self._shape))).reshape(self._shape).astype(np.bool_)
 
     def _add_codes(self, codes: Numbers) -> None:
-        self._add(replace(self._version, labels=_packed(codes)))
+        self._add(replace(self._version, labels=packed_codes(codes)))
 
     def _add(self, version: Version) -> None:
         if version == self._version:
@@ -268,33 +302,3 @@ class MaterialCorrections:
         if len(self._versions) > MOST_STEPS + 1:
             del self._versions[1]  # the first one is what was found
         self._position = len(self._versions) - 1
-
-
-def numbers_in(labels: NDArray[np.integer]) -> list[int]:
-    """Return the numbers of the materials that occur, in rising order: much faster than sorting them all."""
-    numbers: list[int] = np.flatnonzero(np.bincount(labels.ravel() + 1)[1:]).tolist()
-    return numbers
-
-
-def materials_of(codes: NDArray[np.integer]) -> Numbers:
-    """
-    Return the numbers of the materials of pixels with marks.
-
-    A material most of which is marked as ink, highlight or shadow was only taken for one: where it is marked, it is -1, for
-    an analysis to find what is beneath.
-    """
-    numbers = np.where(codes >= 0, codes % MOST_MATERIALS, -1).astype(np.int16)
-    hidden = (codes >= MARKS["ink"]) & (codes < MARKS["plain"])
-    if hidden.any():
-        area = np.bincount(numbers[numbers >= 0])
-        mostly = 2 * np.bincount(numbers[hidden], minlength=len(area)) > area
-        numbers[hidden & mostly[numbers]] = -1
-    return numbers
-
-
-def _numbers_in_codes(codes: Numbers) -> list[int]:
-    return numbers_in(np.where(codes >= 0, codes % MOST_MATERIALS, -1))
-
-
-def _packed(labels: NDArray[np.integer]) -> LabelVersion:
-    return zlib.compress(labels.astype(np.int16).tobytes(), 1)

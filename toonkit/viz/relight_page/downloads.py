@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from toonkit.model.normals import encode_normal_map
+from toonkit.viz.relight_page.corrections import MaterialCorrections
+from toonkit.viz.relight_page.session_file import Given, SavedWork, write_session
 from toonkit.viz.relight_page.state import RelightState
 
 
@@ -32,6 +34,18 @@ def analysis_file(state: RelightState) -> BytesIO:
         path = Path(folder) / "analysis.npz"
         state.recolored.save(path)
         return BytesIO(path.read_bytes())
+
+
+def session_file(state: RelightState) -> BytesIO:
+    """Return the drawing on screen with its analysis, corrections and settings, as a file to go on with later."""
+    corrections, opened = state.corrections, state.on_screen.opened
+    shown = MaterialCorrections(
+        corrections.codes_of(None), corrections.found_ink, corrections.found_highlights
+    )
+    shown.resume(state.codes, state.ramps)  # not what is still being analyzed
+    given = Given(opened.drawing.materials, opened.drawing.ink, opened.highlights)
+    work = SavedWork(state.analysis, shown, given, dict(state.look), shown.ramps, state.selected)
+    return BytesIO(write_session(work, state.recolored))
 
 
 def _png_file(pixels: NDArray[np.unsignedinteger]) -> BytesIO:

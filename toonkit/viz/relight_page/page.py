@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import asyncio
 import threading
-import weakref
 from collections.abc import Awaitable, Callable
+from dataclasses import astuple
 from functools import partial
-from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
@@ -18,36 +16,33 @@ from toonkit.methods import METHODS
 from toonkit.model.light import describe_light
 from toonkit.samples import sample_names, sample_path, sample_title
 from toonkit.viz.choice_cards import ChoiceCards, picture_choices, text_choices
-from toonkit.viz.page_style import THEME, WIDE, after_updates, error_reporter, heading, tell_remarks
+from toonkit.viz.copy_buttons import CopyButtons
+from toonkit.viz.page_style import THEME, WIDE, after_updates, error_reporter, heading, note, tell_remarks
 from toonkit.viz.relight_page.analyses import prepare_sample
-from toonkit.viz.relight_page.downloads import analysis_file, normal_map_png, relit_png
-from toonkit.viz.relight_page.height_view import HeightView, encode_surface
+from toonkit.viz.relight_page.downloads import analysis_file, normal_map_png, relit_png, session_file
+from toonkit.viz.relight_page.insight import insight
+from toonkit.viz.relight_page.opening import MOST_FILE_BYTES
 from toonkit.viz.relight_page.settings import METHOD_DESCRIPTIONS
+from toonkit.viz.relight_page.snippets import command_snippet, python_snippet
 from toonkit.viz.relight_page.state import RelightState
 from toonkit.viz.relight_page.upload import PictureDropper
 from toonkit.viz.relight_page.view import RelightView
 from toonkit.viz.session_end import free_when_left
 
-PICTURE_TYPES = ["image/png", "image/jpeg", "image/webp", "image/tiff", ".tif", ".tiff"]
-
-PICTURE_FIRST_SECONDS = 0.4
+FILES_NOTE = (
+    "PNG, JPEG, WebP, TIFF, GIF, BMP; PSD, ORA or KRA with their layers; or a saved session or analysis. "
+    f"Up to {MOST_FILE_BYTES // 10**6} MB."
+)
 LIGHT_NOTE_MILLISECONDS = 8000
-TabMaker = Callable[[ToonAnalysis], Any]
 
 AS_HIGH_AS_NEEDED = {"max-height": "none"}
 """Style of what would be cut to the height of a narrow window, where the pictures stand one below the other."""
 
-TAB_SIZE = {"height": 380, **WIDE}
-
-NORMAL_MAP_NOTE = (
-    "Which way the surface faces: red to the right, green up, blue toward you (OpenGL convention)."
-)
-SHAPE_NOTE = "The recovered surface with its normals. Drag to turn it, scroll to come closer."
 DROP_ZONE = """
 .filepond--root { min-height: 64px; font-family: inherit; margin: 0; border-radius: 8px; background: transparent !important;
   border: 1.5px dashed color-mix(in srgb, var(--panel-on-surface-color) 35%, transparent) !important; }
 .filepond--panel-root { background: transparent !important; border: none !important; }
-.filepond--drop-label { min-height: 64px; color: inherit; }
+.filepond--drop-label { min-height: 64px; color: inherit; background: transparent !important; }
 .filepond--drop-label label { font-size: 13px; }
 .filepond--list-scroller { mask: none !important; -webkit-mask: none !important; }
 .filepond--credits { display: none; }
@@ -140,7 +135,6 @@ def drawing_picker(state: RelightState) -> pn.Column:
         **WIDE,
     )
     dropper = PictureDropper(
-        accepted_filetypes=PICTURE_TYPES,
         previews=[],
         height=104,
         margin=(0, 12),
@@ -160,9 +154,9 @@ def drawing_picker(state: RelightState) -> pn.Column:
 
     async def dropped(files: dict[str, bytes]) -> None:
         # The widget changes this dictionary when the next file is dropped, which may be before this one is analyzed.
-        for content in tuple(files.values()):
+        for name, content in tuple(files.items()):
             shown = state.analysis
-            remarks = await state.open_file(content)
+            remarks = await state.open_file(name, content)
             if state.analysis is not shown:  # as it is if this was canceled, or overtaken by another drawing
                 tell_remarks(remarks)
                 tell_light(state.analysis)
@@ -170,7 +164,13 @@ def drawing_picker(state: RelightState) -> pn.Column:
     state.param.watch(lambda event: cards.param.update(value=event.new), "sample")
     pn.bind(choose, cards.param.value, watch=True)
     pn.bind(dropped, dropper.param.value, watch=True)
-    return pn.Column(heading("Drawing"), cards, dropper, **WIDE)
+    return pn.Column(
+        heading("Drawing"),
+        cards,
+        dropper,
+        note(FILES_NOTE, margin=(6, 12, 8, 12), sx={"fontSize": "12px"}),
+        **WIDE,
+    )
 
 
 def method_picker(state: RelightState) -> pn.Column:
@@ -212,7 +212,14 @@ def _has_flat_materials(analysis: ToonAnalysis | None) -> bool:
 
 
 def downloads(state: RelightState) -> pn.Column:
-    """Return the download buttons."""
+    """Return the download buttons, and those that copy how the picture on screen is made."""
+    none = state.param.analysis.rx.is_(None)
+    files = (
+        ("Relit picture", "relit.png", relit_png),
+        ("Normal map", "normal_map.png", normal_map_png),
+        ("Whole analysis", "analysis.npz", analysis_file),
+        ("Save session", pn.bind(lambda _: state.session_name, state.param.analysis), session_file),
+    )
     buttons = [
         pmui.FileDownload(
             callback=partial(make, state),
@@ -221,107 +228,20 @@ def downloads(state: RelightState) -> pn.Column:
             variant="outlined",
             margin=(4, 12),
             **WIDE,
-            disabled=state.param.analysis.rx.is_(None),
+            disabled=none,
         )
-        for label, filename, make in (
-            ("Relit picture", "relit.png", relit_png),
-            ("Normal map", "normal_map.png", normal_map_png),
-            ("Whole analysis", "analysis.npz", analysis_file),
-        )
+        for label, filename, make in files
     ]
-    return pn.Column(heading("Download"), *buttons, **WIDE)
-
-
-# HoloViews takes seconds to import, and the first picture does not need it: each tab imports its own, once the page
-# stands. Not in a thread, where Panel would meet modules that are only half imported.
-def _color_map_tab(box: pn.Column, state: RelightState) -> TabMaker:
-    from toonkit.viz.relight_page.color_maps import ColorMapsView  # noqa: PLC0415
-
-    def make(shown: ToonAnalysis) -> Callable[[], None]:
-        view = ColorMapsView(shown, height=TAB_SIZE["height"], chosen=state.selected_place)
-
-        def show() -> None:
-            box[:] = [view]
-            view.chosen = state.selected_place or view.chosen  # another may be selected by now
-            for cards in box.select(ChoiceCards):
-                cards.param.watch(lambda event: state.select_place(int(event.new)), "value")
-
-        return show
-
-    return make
-
-
-def _normal_map_tab(box: pn.Column, _: RelightState) -> TabMaker:
-    from toonkit.viz.elements import normal_map  # noqa: PLC0415
-
-    def make(shown: ToonAnalysis) -> Callable[[], None]:
-        rows, columns = shown.normals.shape
-        height = TAB_SIZE["height"]
-        # As wide as its shape asks for: stretched over the page, pixels would not be square.
-        element = normal_map(shown.normals).opts(
-            responsive=False, height=height, width=height * columns // rows
-        )
-        return lambda: _fill(box, NORMAL_MAP_NOTE, pn.pane.HoloViews(element, sizing_mode="fixed"))
-
-    return make
-
-
-def _shape_tab(box: pn.Column, _: RelightState) -> TabMaker:
-    def make(shown: ToonAnalysis) -> Callable[[], None]:
-        surface = encode_surface(shown.normals, shown.image)
-
-        def show() -> None:
-            # One view for all surfaces: it keeps its graphics context, and the visitor's point of view.
-            if not box:
-                _fill(box, SHAPE_NOTE, HeightView(**TAB_SIZE))
-            box[-1].param.update(**surface)
-
-        return show
-
-    return make
-
-
-def _fill(box: pn.Column, text: str, pane: pn.viewable.Viewable) -> None:
-    box[:] = [_note(text), pane]
-
-
-TABS = {"Color map": _color_map_tab, "Normal map": _normal_map_tab, "Shape in 3-D": _shape_tab}
-
-
-def insight(state: RelightState) -> pmui.Tabs:
-    """Return the tabs that show what was recovered; a tab is filled when it is opened."""
-    boxes = [pn.Column(min_height=TAB_SIZE["height"], **WIDE) for _ in TABS]
-    tabs = pmui.Tabs(*zip(TABS, boxes, strict=True), **WIDE)
-    on_screen = pn.rx(False)
-    filled: dict[int, weakref.ref[ToonAnalysis]] = {}
-
-    async def show(active: int, shown: ToonAnalysis | None, ready: bool) -> None:
-        if shown is None or not ready or (active in filled and filled[active]() is shown):
-            return
-        filled[active] = weakref.ref(shown)
-        await asyncio.sleep(PICTURE_FIRST_SECONDS)
-        make = list(TABS.values())[active](boxes[active], state)
-        put = await asyncio.to_thread(make, shown)
-        if filled[active]() is shown:
-            put()
-
-    async def follow(selected: int) -> None:
-        await asyncio.sleep(PICTURE_FIRST_SECONDS)
-        if selected == state.selected and not state.step:
-            for cards in boxes[0].select(ChoiceCards):
-                cards.value = state.selected_place or cards.value
-
-    def loaded() -> None:
-        on_screen.rx.value = True
-
-    pn.bind(show, tabs.param.active, state.param.analysis, on_screen, watch=True)
-    pn.bind(follow, state.param.selected, watch=True)
-    pn.state.onload(loaded)
-    return tabs
-
-
-def _note(text: str) -> pmui.Typography:
-    return pmui.Typography(text, variant="body2", color="text.secondary", margin=(8, 10, 4, 10))
+    copy = CopyButtons(
+        {
+            "Copy as Python": lambda: astuple(python_snippet(state)),
+            "Copy as command line": lambda: astuple(command_snippet(state)),
+        },
+        disabled=none,
+        margin=(4, 12, 16, 12),
+        **WIDE,
+    )
+    return pn.Column(heading("Download"), *buttons, heading("Do it again in code"), copy, **WIDE)
 
 
 def relight_page() -> pmui.Page:

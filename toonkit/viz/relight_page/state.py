@@ -4,36 +4,25 @@ from __future__ import annotations
 
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any, TypeVar
 
-import numpy as np
 import param
 
 import toonkit
 from toonkit import ToonAnalysis, ToonImage
 from toonkit.model.tone_ramp import ToneRamp
-from toonkit.samples import sample_light, sample_path
+from toonkit.samples import sample_light
 from toonkit.viz.latest_task import LatestTask, TaskReport
-from toonkit.viz.relight_page.analyses import (
-    SAMPLES,
-    Evidence,
-    Kept,
-    Question,
-    answer,
-    base_of,
-    digest_of,
-)
-from toonkit.viz.relight_page.corrections import (
-    LabelVersion,
-    MaterialCorrections,
-    Numbers,
-    materials_of,
-    numbers_in,
-)
-from toonkit.viz.relight_page.opening import check_size, read_picture
+from toonkit.viz.relight_page.analyses import SAMPLES, Answer, Evidence, Kept, Question, answer
+from toonkit.viz.relight_page.codes import Numbers, materials_of, numbers_in
+from toonkit.viz.relight_page.corrections import MaterialCorrections
+from toonkit.viz.relight_page.material_actions import MaterialActions
+from toonkit.viz.relight_page.opening import Opened, check_file, open_file, open_sample
+from toonkit.viz.relight_page.session_file import SavedWork, is_saved_work
 from toonkit.viz.relight_page.settings import SETTINGS, RelightSettings
 from toonkit.viz.turns import TURNS
 
@@ -46,7 +35,16 @@ STEP_SECONDS = 0.8
 Result = TypeVar("Result")
 
 
-class RelightState(RelightSettings):
+@dataclass(frozen=True, eq=False)
+class OnScreen:
+    """A drawing, the question that was asked of it, and the answer that is on screen."""
+
+    opened: Opened
+    question: Question
+    answer: Answer
+
+
+class RelightState(RelightSettings, MaterialActions):
     """
     A drawing, its analysis on screen, and the light it is shown under.
 
@@ -78,21 +76,20 @@ class RelightState(RelightSettings):
         self._task = LatestTask(lambda step, fraction: self.param.update(step=step, fraction=fraction))
         self._own: Kept = OrderedDict()
         self._corrections: OrderedDict[str, MaterialCorrections] = OrderedDict()
-        self._digest = ""
-        self._version: LabelVersion | None = None  # of the materials on screen; None as found
+        self._on_screen: OnScreen | None = None
         self._under_way: tuple[object, ...] | None = None
         self._recalling = False
         self._changing: tuple[set[str], float] = set(), 0.0  # settings, and when they were last changed
 
     async def open_sample(self, name: str) -> None:
         """Open a drawing that ships with toonkit, under its own light."""
-        image = await self._work("opening the drawing", lambda _: toonkit.load_image(sample_path(name)))
-        if image is not None:
-            await self._analyze(image, list(sample_light(name)), sample=name)
+        opened = await self._work("opening the drawing", lambda _: open_sample(name))
+        if opened is not None:
+            await self._analyze(opened, sample_light(name))
 
-    async def open_file(self, content: bytes) -> list[str]:
+    async def open_file(self, name: str, content: bytes) -> list[str]:
         """
-        Open a picture of the user's own; its light is estimated.
+        Open a file of the user's own: a picture, whose light is estimated, or a session, which comes back as it was.
 
         Returns
         -------
@@ -102,37 +99,55 @@ class RelightState(RelightSettings):
         Raises
         ------
         ToonkitError
-            If it is no picture, or too large.
+            If it is neither, or too large.
         """
-        picture = check_size(content)
-        opened = await self._work("opening the drawing", lambda _: read_picture(picture))
+        check_file(name, content)
+        opened = await self._work(
+            "opening the drawing",
+            lambda report: open_file(name, content, report),
+            waits=is_saved_work(content),
+        )
         if opened is None:
             return []
-        image, warned = opened
-        await self._analyze(image, None, sample="")
-        return warned
+        if opened.saved is None:
+            await self._analyze(opened, ())
+        else:
+            self._resume(opened, opened.saved)
+        return list(opened.remarks)
 
     async def analyze(self) -> None:
         """Analyze the drawing on screen with the method, the original light and the materials now wished for."""
-        wish = () if self.analysis is None else self._wish
-        if self.analysis is None or wish in (self._fulfilled, self._under_way):
+        shown = self._on_screen
+        wish = () if shown is None else self._wish
+        if shown is None or wish in (self._fulfilled, self._under_way):
             return
         self._under_way = wish
         try:
-            await self._analyze(self.analysis.image, list(self.original_light), sample=self.sample)
+            await self._analyze(shown.opened, tuple(self.original_light))
         finally:
             if self._under_way is wish:
                 self._under_way = None
 
     @property
+    def on_screen(self) -> OnScreen:
+        """What is on screen; there must be a drawing."""
+        assert self._on_screen is not None
+        return self._on_screen
+
+    @property
+    def session_name(self) -> str:
+        """Name of the file that the session is saved to."""
+        return "session.toonkit" if self._on_screen is None else self._on_screen.opened.session_name
+
+    @property
     def corrections(self) -> MaterialCorrections:
         """The materials of the drawing on screen, and what was corrected in them."""
-        return self._corrections[self._digest]
+        return self._corrections[self.on_screen.question.digest]
 
     @property
     def codes(self) -> Numbers:
         """Number of each pixel's material on screen plus its mark, shape (H, W): in `corrections`, not in the analysis."""
-        return self.corrections.codes_of(self._version)
+        return self.corrections.codes_of(self.on_screen.question.version)
 
     @property
     def labels(self) -> Numbers:
@@ -156,44 +171,10 @@ class RelightState(RelightSettings):
         if place < len(numbers):
             self.selected = numbers[place]
 
-    async def merge(self, material: int, into: int) -> None:
-        """Give all of a material to another one, and analyze the drawing with it."""
-        await self._correct(lambda corrections: corrections.merge(material, into))
-
-    async def paint(self, path: Sequence[Sequence[float]], radius: float, material: int) -> None:
-        """Give what a brush covers to a material, and analyze the drawing with it: see `MaterialCorrections.paint`."""
-        await self._correct(lambda corrections: corrections.paint(path, radius, material))
-
-    async def fill(self, place: Sequence[float], material: int) -> None:
-        """Give a connected region to a material, and analyze the drawing with it: see `MaterialCorrections.fill`."""
-        await self._correct(lambda corrections: corrections.fill(place, material))
-
-    async def split(self, path: Sequence[Sequence[float]], material: int) -> None:
-        """Make what a loop encloses a new material, and analyze the drawing with it: see `MaterialCorrections.split`."""
-        await self._correct(lambda corrections: corrections.split(path, material))
-
-    async def recolor(self, material: int, ramp: Mapping[str, Any] | None) -> None:
-        """Give a material the tones of a `ToneRamp` with these arguments; None gives it back those it is drawn with."""
-        await self._correct(
-            lambda corrections: corrections.recolor(material, None if ramp is None else ToneRamp(**ramp))
-        )
-
-    async def undo(self) -> None:
-        """Take the last correction back."""
-        await self._correct(MaterialCorrections.undo)
-
-    async def redo(self) -> None:
-        """Do again what was taken back last."""
-        await self._correct(MaterialCorrections.redo)
-
-    async def reset_materials(self) -> None:
-        """Return to the materials that were found."""
-        await self._correct(MaterialCorrections.reset)
-
     async def estimate_light(self) -> None:
         """Let toonkit find the artist's light, and analyze the drawing under it."""
-        if self.analysis is not None:
-            await self._analyze(self.analysis.image, None, sample=self.sample)
+        if self._on_screen is not None:
+            await self._analyze(self.on_screen.opened, ())
 
     def cancel(self) -> None:
         """End the computation under way, if there is one."""
@@ -204,18 +185,21 @@ class RelightState(RelightSettings):
         self._task.overtake()
         self._own.clear()
         self._corrections.clear()
+        self._on_screen = None
         with param.parameterized.discard_events(self):
             self.analysis = None
+
+    @property
+    def placed_ramps(self) -> dict[int, ToneRamp]:
+        """The edited ramps, by the place of their material in the analysis on screen."""
+        places = {number: place for place, number in enumerate(self.numbers)}
+        return {places[number]: ramp for number, ramp in self.ramps.items() if number in places}
 
     @property
     def recolored(self) -> ToonAnalysis:
         """The analysis on screen, with the edited ramps."""
         analysis: ToonAnalysis = self.analysis
-        if not self.ramps:
-            return analysis
-        places = {number: place for place, number in enumerate(self.numbers)}
-        ramps = {places[number]: ramp for number, ramp in self.ramps.items() if number in places}
-        return analysis.recolored(ramps)
+        return analysis.recolored(self.placed_ramps) if self.ramps else analysis
 
     def relit(self) -> ToonImage:
         """Return the picture on screen under the new light."""
@@ -227,10 +211,10 @@ class RelightState(RelightSettings):
 
     @property
     def _fulfilled(self) -> tuple[object, ...]:
-        return self.analysis.method, _angles(self.analysis), self._version
+        return self.analysis.method, _angles(self.analysis), self.on_screen.question.version
 
     async def _correct(self, change: Callable[[MaterialCorrections], None]) -> None:
-        if self.analysis is None:
+        if self._on_screen is None:
             return
         try:
             change(self.corrections)
@@ -246,7 +230,7 @@ class RelightState(RelightSettings):
     @param.depends(*SETTINGS, watch=True)
     def _remember(self) -> None:
         """Make a step of what the visitor has changed."""
-        if self._recalling or self._digest not in self._corrections:
+        if self._recalling or self._on_screen is None:
             return
         look = self.look
         changed = {name for name, _ in set(look) - set(self.corrections.look)}
@@ -280,52 +264,65 @@ class RelightState(RelightSettings):
             ramps=corrections.ramps,
         )
 
-    async def _analyze(self, image: ToonImage, angles: list[float] | None, *, sample: str) -> None:
-        shown = self.analysis if self.analysis is not None and self.analysis.image is image else None
-        digest = digest_of(image) if shown is None else self._digest
-        corrections = self._corrections.get(digest)
+    async def _analyze(self, opened: Opened, angles: tuple[float, ...]) -> None:
+        shown = self._on_screen if self._on_screen is not None and self._on_screen.opened is opened else None
+        corrections = self._corrections.get(opened.digest)
         version = None if corrections is None else corrections.labels_version
-        question = Question(digest, self.method, tuple(angles or ()), version)
-        kept = SAMPLES if sample and version is None else self._own
-        analysis = kept.get(question)
-        if analysis is not None:
+        question = Question(opened.digest, self.method, angles, version)
+        kept = SAMPLES if opened.sample and version is None else self._own
+        found = kept.get(question)
+        if found is not None:
             self.cancel()
         else:
-            evidence = Evidence(image)
-            if shown is not None and version == self._version:
-                evidence = Evidence(image, previous=shown)
-            elif corrections is not None and version is not None:
-                marks = corrections.ink, corrections.highlights
-                evidence = Evidence(base_of(image, shown, marks), corrections.labels, *marks)
-            analysis = await self._work(
-                "reading the drawing", lambda progress: answer(question, evidence, progress, kept), waits=True
+            previous = None if shown is None else shown.answer.analysis
+            if shown is not None and previous is not None and version == shown.question.version:
+                evidence = Evidence(previous.image, previous=previous)
+            else:
+                evidence = opened.evidence(corrections, previous)
+            found = await self._work(
+                "reading the drawing", lambda report: answer(question, evidence, report, kept), waits=True
             )
-        if analysis is not None:
-            self._put_on_screen(question, analysis, sample)
+        if found is not None:
+            self._put_on_screen(opened, question, found)
 
-    def _put_on_screen(self, question: Question, analysis: ToonAnalysis, sample: str) -> None:
-        digest = question.digest
+    def _resume(self, opened: Opened, saved: SavedWork) -> None:
+        """Put what was saved back on screen."""
+        analysis = saved.analysis
+        angles = tuple(_angles(analysis))
+        question = Question(opened.digest, analysis.method, angles, saved.corrections.labels_version)
+        self._corrections[opened.digest] = saved.corrections
+        self._on_screen = None  # so that it counts as another drawing, even if it is the same
+        self._own[question] = found = Answer(analysis)
+        self._put_on_screen(opened, question, found, settings=saved.settings, selected=saved.selected)
+
+    def _put_on_screen(
+        self,
+        opened: Opened,
+        question: Question,
+        found: Answer,
+        *,
+        settings: Mapping[str, Any] = MappingProxyType({}),
+        selected: int = -1,
+    ) -> None:
+        digest, analysis = question.digest, found.analysis
         if digest not in self._corrections:
-            drawing = analysis.drawing
-            highlit = np.zeros(drawing.shape, np.bool_)
-            highlit[drawing.places(drawing.mixed.pixels[drawing.mixed.highlit])] = True
-            self._corrections[digest] = MaterialCorrections(
-                analysis.materials.labels, drawing.ink_coverage >= 0.5, highlit
-            )
+            self._corrections[digest] = MaterialCorrections.of(analysis)
             while len(self._corrections) > KEPT_CORRECTIONS:
                 self._corrections.popitem(last=False)
-        another = digest != self._digest
-        selected = -1 if another else self.selected
-        self._digest, self._version = digest, question.version
-        self._show_corrections()
+        another = self._on_screen is None or digest != self._on_screen.question.digest
+        self._on_screen = OnScreen(opened, question, found)
         angles = _angles(analysis)
         if question in self._own:  # a light that was estimated is one that is given from now on
-            self._own.setdefault(replace(question, angles=tuple(angles)), analysis)
-        if another:
-            with self._silently():
-                self.param.update(original_light=angles)
-            self.corrections.change_look(self.look, again=True)
-        self.param.update(sample=sample, analysis=analysis, original_light=angles, selected=selected)
+            self._own.setdefault(replace(question, angles=tuple(angles)), found)
+        values = {"sample": opened.sample, "analysis": analysis, "original_light": angles}
+        if not another:
+            self._show_corrections()
+            self.param.update(**values)
+            return
+        with self._silently():
+            self._show_corrections()
+            self.param.update(**{**settings, **values, "method": analysis.method, "selected": selected})
+        self.corrections.change_look(self.look, again=True)
 
     async def _work(
         self, step: str, task: Callable[[TaskReport], Result], *, waits: bool = False
@@ -336,10 +333,10 @@ class RelightState(RelightSettings):
 
     def _restore(self) -> None:
         """Take back wishes that were not fulfilled."""
-        if self.analysis is not None:
+        if self._on_screen is not None:
             with self._silently():
                 self.param.update(method=self.analysis.method, original_light=_angles(self.analysis))
-            self.corrections.restore(self._version)
+            self.corrections.restore(self.on_screen.question.version)
             self.corrections.change_look(self.look, again=True)
             self._show_corrections()
 

@@ -23,7 +23,7 @@ from toonkit.model.light import light_direction
 from toonkit.model.luminance import color_of_hex
 from toonkit.model.tone_ramp import ToneRamp
 from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, FULL_TURN, HIGHLIGHT_RANGE, relight
-from toonkit.viz.relight_page.corrections import MARKS, materials_of, numbers_in
+from toonkit.viz.relight_page.codes import MARKS, materials_of, numbers_in
 from toonkit.viz.relight_page.scripts import EDITOR, joined
 from toonkit.viz.relight_page.textures import describe_picture, encode_textures
 
