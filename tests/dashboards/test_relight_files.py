@@ -87,6 +87,7 @@ def set_everything(page):
     for _ in range(5):
         page.keyboard.press("ArrowRight")
     page.get_by_role("switch", name="Keep brushwork").click()
+    page.wait_for_function(f"() => {VIEW}.ambient === 0.25 && {VIEW}.keep_detail === false")
     assert until(page, lambda: sliders(page, "relit") == [200, 25])
     wait_until_answered(page)
 
@@ -146,14 +147,15 @@ def show_tone(page):
 
 
 @pytest.fixture
-def page_to_leave(materials_page, relight_tab):
-    """The gray ball on a page that no other test goes on with: undo does not take back what a session has set."""
-    yield materials_page
+def left_tab(relight_tab):
+    """Afterwards, the page is left: undo does not take back what an opened session or analysis has set."""
+    yield
     relight_tab.leave()
 
 
-def test_a_saved_session_brings_everything_back(page_to_leave, tmp_path, monkeypatch):
-    page = page_to_leave
+@pytest.mark.usefixtures("left_tab")
+def test_a_saved_session_brings_everything_back(materials_page, tmp_path, monkeypatch):
+    page = materials_page
     monkeypatch.chdir(tmp_path)
     before = relit_pixels(page)
     show_tone(page).fill("#2040a0")
@@ -181,6 +183,7 @@ def test_a_saved_session_brings_everything_back(page_to_leave, tmp_path, monkeyp
     assert off(Image.open("ball_relit.png"), page) < STRAY_SHARE
 
 
+@pytest.mark.usefixtures("left_tab")
 def test_an_analysis_from_python_is_dropped(relight_page, tmp_path):
     (tmp_path / "ball.png").write_bytes(ball_file(104))
     toonkit.analyze(tmp_path / "ball.png", (90, 30), method="lumo").save(tmp_path / "ball.npz")
@@ -219,3 +222,17 @@ def test_a_picture_is_pasted(relight_page):
     )
     relight_page.wait_for_function(f"() => {VIEW}.picture_size[0] === 100")
     wait_until_answered(relight_page)
+
+
+def test_files_that_were_dropped_together_are_switched_between(relight_page):
+    files = [
+        {"name": f"ball {side}.png", "mimeType": "image/png", "buffer": ball_file(side)} for side in (98, 102)
+    ]
+    relight_page.locator("input[type=file]").set_input_files(files)
+    cards = relight_page.get_by_role("radiogroup", name="Your files")
+    for side in (98, 102, 98):
+        card = cards.get_by_role("radio", name=f"ball {side}.png")
+        card.click()
+        relight_page.wait_for_function(f"side => {VIEW}.picture_size[0] === side", arg=side)
+        wait_until_answered(relight_page)
+        expect(card).to_have_attribute("aria-checked", "true")

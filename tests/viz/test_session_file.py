@@ -23,12 +23,18 @@ RAMP = ToneRamp(["#104010", "#40a040"], [0.2], [0.1])
 
 
 @pytest.fixture(scope="module")
-def worked(harlequin):
-    """A drawing with a mark, two materials merged, an edited ramp and every setting changed."""
+def drawing(harlequin):
+    """A picture file of three materials."""
     file = BytesIO()
     Image.fromarray(harlequin.image.to_rgba()).save(file, "PNG")
+    return file.getvalue()
+
+
+@pytest.fixture(scope="module")
+def worked(drawing):
+    """A drawing with a mark, two materials merged, an edited ramp and every setting changed."""
     state = RelightState(method="lumo")
-    run(state.open_file("my cat.png", file.getvalue()))
+    run(state.open_file("my cat.png", drawing))
     run(state.paint([(40, 40), (60, 50)], 6, MARKS["shadow"]))
     run(state.merge(1, 0))
     run(state.recolor(2, asdict(RAMP)))
@@ -91,8 +97,8 @@ def test_a_session_is_an_archive_of_the_recolored_analysis(worked, tmp_path):
 
 
 def test_a_session_is_called_like_its_drawing(worked):
-    assert worked.session_name == "my cat.toonkit"
-    assert reopened(worked, "renamed.toonkit").session_name == "renamed.toonkit"
+    assert worked.on_screen.opened.session_name == "my cat.toonkit"
+    assert reopened(worked, "renamed.toonkit").on_screen.opened.session_name == "renamed.toonkit"
 
 
 def test_a_session_of_the_drawing_on_screen_replaces_what_was_done_since(worked):
@@ -112,6 +118,27 @@ def test_a_plain_archive_is_opened_with_its_materials_and_ramps(worked):
     state.method = "lambert"
     run(state.analyze())
     np.testing.assert_array_equal(state.analysis.materials.labels, worked.analysis.materials.labels)
+
+
+def test_going_back_to_a_session_goes_on_with_what_was_done_since(worked, drawing):
+    saved = session_file(worked).getvalue()
+    state = reopened(worked)
+    run(state.merge(2, 0))
+    run(state.open_file("other.png", drawing))
+    assert state.numbers == [0, 1, 2]
+    run(state.open_file("my cat.toonkit", saved, again=True))
+    assert state.numbers == [0]
+    assert state.original_light == worked.original_light
+
+
+def test_going_back_to_a_picture_keeps_the_light_that_was_given_for_it(worked, drawing):
+    state = RelightState(method="lumo")
+    run(state.open_file("other.png", drawing))
+    state.original_light = [20.0, 70.0]
+    run(state.analyze())
+    run(state.open_file("my cat.toonkit", session_file(worked).getvalue()))
+    run(state.open_file("other.png", drawing, again=True))
+    assert state.original_light == [20.0, 70.0]
 
 
 def damaged(content):

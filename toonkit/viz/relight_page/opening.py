@@ -13,7 +13,7 @@ import toonkit
 from toonkit import LayeredDrawing, ToonAnalysis, ToonkitError
 from toonkit._validation import BoolArray, collect_warnings, refuse
 from toonkit.samples import PREFIX, sample_path
-from toonkit.viz.relight_page.analyses import Evidence, base_of, digest_of
+from toonkit.viz.relight_page.analyses import Answer, Evidence, Question, base_of, digest_of
 from toonkit.viz.relight_page.corrections import MaterialCorrections
 from toonkit.viz.relight_page.session_file import SUFFIX, SavedWork, is_saved_work, read_saved_work
 from toonkit.viz.turns import TURNS, Progress
@@ -54,6 +54,11 @@ class Opened:
     sample: str = ""
 
     @property
+    def file_name(self) -> str:
+        """Name of its file; "" for a sample."""
+        return "" if self.sample else self.name
+
+    @property
     def session_name(self) -> str:
         """Name of the file that a session with it is saved to."""
         stem = self.sample or PurePosixPath(self.name).stem
@@ -77,6 +82,15 @@ class Opened:
         highlights = highlights if corrections.highlights is None else corrections.highlights
         base = base_of(self.drawing.image, shown, (ink, highlights))
         return Evidence(base, corrections.labels, ink, highlights)
+
+
+@dataclass(frozen=True, eq=False)
+class OnScreen:
+    """A drawing, the question that was asked of it, and the answer that is on screen."""
+
+    opened: Opened
+    question: Question
+    answer: Answer
 
 
 def open_sample(name: str) -> Opened:

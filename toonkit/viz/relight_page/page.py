@@ -13,40 +13,22 @@ from panel.models.esm import DataEvent
 
 from toonkit.analysis import ToonAnalysis
 from toonkit.methods import METHODS
-from toonkit.model.light import describe_light
-from toonkit.samples import sample_names, sample_path, sample_title
-from toonkit.viz.choice_cards import ChoiceCards, picture_choices, text_choices
+from toonkit.samples import sample_names
+from toonkit.viz.choice_cards import ChoiceCards, text_choices
 from toonkit.viz.copy_buttons import CopyButtons
-from toonkit.viz.page_style import THEME, WIDE, after_updates, error_reporter, heading, note, tell_remarks
+from toonkit.viz.page_style import THEME, WIDE, after_updates, error_reporter, heading
 from toonkit.viz.relight_page.analyses import prepare_sample
 from toonkit.viz.relight_page.downloads import analysis_file, normal_map_png, relit_png, session_file
+from toonkit.viz.relight_page.drawing_picker import drawing_picker, tell_light
 from toonkit.viz.relight_page.insight import insight
-from toonkit.viz.relight_page.opening import MOST_FILE_BYTES
 from toonkit.viz.relight_page.settings import METHOD_DESCRIPTIONS
 from toonkit.viz.relight_page.snippets import command_snippet, python_snippet
 from toonkit.viz.relight_page.state import RelightState
-from toonkit.viz.relight_page.upload import PictureDropper
 from toonkit.viz.relight_page.view import RelightView
 from toonkit.viz.session_end import free_when_left
 
-FILES_NOTE = (
-    "PNG, JPEG, WebP, TIFF, GIF, BMP; PSD, ORA or KRA with their layers; or a saved session or analysis. "
-    f"Up to {MOST_FILE_BYTES // 10**6} MB."
-)
-LIGHT_NOTE_MILLISECONDS = 8000
-
 AS_HIGH_AS_NEEDED = {"max-height": "none"}
 """Style of what would be cut to the height of a narrow window, where the pictures stand one below the other."""
-
-DROP_ZONE = """
-.filepond--root { min-height: 64px; font-family: inherit; margin: 0; border-radius: 8px; background: transparent !important;
-  border: 1.5px dashed color-mix(in srgb, var(--panel-on-surface-color) 35%, transparent) !important; }
-.filepond--panel-root { background: transparent !important; border: none !important; }
-.filepond--drop-label { min-height: 64px; color: inherit; background: transparent !important; }
-.filepond--drop-label label { font-size: 13px; }
-.filepond--list-scroller { mask: none !important; -webkit-mask: none !important; }
-.filepond--credits { display: none; }
-"""
 
 
 def stage(state: RelightState) -> RelightView:
@@ -111,68 +93,6 @@ def _answer(state: RelightState) -> Callable[[DataEvent], Awaitable[None]]:
     return asked
 
 
-def tell_light(analysis: ToonAnalysis | None) -> None:
-    """Tell the user where an estimated light stands and how sure that is, or that it is only assumed."""
-    estimate = None if analysis is None else analysis.light_estimate
-    if estimate is None or pn.state.notifications is None:
-        return
-    if estimate.is_guess:
-        text = "This drawing does not say where its light is. Upper left is assumed: drag the sun on it if you know better."
-    else:
-        sure = f"{100 * estimate.confidence:.0f} % sure"
-        text = f"Estimated light: {describe_light(estimate.light)}, {sure}. Drag the sun on the drawing to correct it."
-    pn.state.notifications.info(text, duration=LIGHT_NOTE_MILLISECONDS)
-
-
-def drawing_picker(state: RelightState) -> pn.Column:
-    """Return the thumbnails of the samples and the place to drop a picture."""
-    cards = ChoiceCards(
-        choices=picture_choices({name: (sample_title(name), sample_path(name)) for name in sample_names()}),
-        value=state.sample,
-        columns=3,
-        label="Sample drawing",
-        margin=(2, 12, 8, 12),
-        **WIDE,
-    )
-    dropper = PictureDropper(
-        previews=[],
-        height=104,
-        margin=(0, 12),
-        stylesheets=[DROP_ZONE],
-        **WIDE,
-    )
-
-    async def choose(name: str) -> None:
-        if name == state.sample:
-            state.cancel()  # back on the card of what is on screen, while another drawing is being opened
-        elif name:
-            try:
-                await state.open_sample(name)
-            finally:
-                if cards.value == name:  # not when another card was chosen meanwhile
-                    cards.value = state.sample
-
-    async def dropped(files: dict[str, bytes]) -> None:
-        # The widget changes this dictionary when the next file is dropped, which may be before this one is analyzed.
-        for name, content in tuple(files.items()):
-            shown = state.analysis
-            remarks = await state.open_file(name, content)
-            if state.analysis is not shown:  # as it is if this was canceled, or overtaken by another drawing
-                tell_remarks(remarks)
-                tell_light(state.analysis)
-
-    state.param.watch(lambda event: cards.param.update(value=event.new), "sample")
-    pn.bind(choose, cards.param.value, watch=True)
-    pn.bind(dropped, dropper.param.value, watch=True)
-    return pn.Column(
-        heading("Drawing"),
-        cards,
-        dropper,
-        note(FILES_NOTE, margin=(6, 12, 8, 12), sx={"fontSize": "12px"}),
-        **WIDE,
-    )
-
-
 def method_picker(state: RelightState) -> pn.Column:
     """Return one card for each method, the switch for brushwork, and the slider for what is painted in one tone."""
     described = {name: METHOD_DESCRIPTIONS.get(name, (name, "")) for name in METHODS}
@@ -214,11 +134,15 @@ def _has_flat_materials(analysis: ToonAnalysis | None) -> bool:
 def downloads(state: RelightState) -> pn.Column:
     """Return the download buttons, and those that copy how the picture on screen is made."""
     none = state.param.analysis.rx.is_(None)
+
+    def session_name(shown: ToonAnalysis | None) -> str:
+        return "session.toonkit" if shown is None else state.on_screen.opened.session_name
+
     files = (
         ("Relit picture", "relit.png", relit_png),
         ("Normal map", "normal_map.png", normal_map_png),
         ("Whole analysis", "analysis.npz", analysis_file),
-        ("Save session", pn.bind(lambda _: state.session_name, state.param.analysis), session_file),
+        ("Save session", pn.bind(session_name, state.param.analysis), session_file),
     )
     buttons = [
         pmui.FileDownload(

@@ -6,7 +6,7 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, TypeVar
 
@@ -21,7 +21,7 @@ from toonkit.viz.relight_page.analyses import SAMPLES, Answer, Evidence, Kept, Q
 from toonkit.viz.relight_page.codes import Numbers, materials_of, numbers_in
 from toonkit.viz.relight_page.corrections import MaterialCorrections
 from toonkit.viz.relight_page.material_actions import MaterialActions
-from toonkit.viz.relight_page.opening import Opened, check_file, open_file, open_sample
+from toonkit.viz.relight_page.opening import OnScreen, Opened, check_file, open_file, open_sample
 from toonkit.viz.relight_page.session_file import SavedWork, is_saved_work
 from toonkit.viz.relight_page.settings import SETTINGS, RelightSettings
 from toonkit.viz.turns import TURNS
@@ -33,15 +33,6 @@ STEP_SECONDS = 0.8
 """Pause after which a change of the same setting is a step of its own: a drag is undone as a whole."""
 
 Result = TypeVar("Result")
-
-
-@dataclass(frozen=True, eq=False)
-class OnScreen:
-    """A drawing, the question that was asked of it, and the answer that is on screen."""
-
-    opened: Opened
-    question: Question
-    answer: Answer
 
 
 class RelightState(RelightSettings, MaterialActions):
@@ -87,9 +78,18 @@ class RelightState(RelightSettings, MaterialActions):
         if opened is not None:
             await self._analyze(opened, sample_light(name))
 
-    async def open_file(self, name: str, content: bytes) -> list[str]:
+    async def open_file(self, name: str, content: bytes, *, again: bool = False) -> list[str]:
         """
         Open a file of the user's own: a picture, whose light is estimated, or a session, which comes back as it was.
+
+        Parameters
+        ----------
+        name : str
+            Of the file.
+        content : bytes
+            Of the file.
+        again : bool
+            Whether to go on where its drawing was left, if it was on screen before.
 
         Returns
         -------
@@ -109,7 +109,11 @@ class RelightState(RelightSettings, MaterialActions):
         )
         if opened is None:
             return []
-        if opened.saved is None:
+        known = self._corrections.get(opened.digest) if again else None
+        if known is not None:
+            light: Any = dict(known.look).get("original_light", ())
+            await self._analyze(opened, light)
+        elif opened.saved is None:
             await self._analyze(opened, ())
         else:
             self._resume(opened, opened.saved)
@@ -130,14 +134,9 @@ class RelightState(RelightSettings, MaterialActions):
 
     @property
     def on_screen(self) -> OnScreen:
-        """What is on screen; there must be a drawing."""
+        """The drawing on screen with its analysis, as `analysis` is not None."""
         assert self._on_screen is not None
         return self._on_screen
-
-    @property
-    def session_name(self) -> str:
-        """Name of the file that the session is saved to."""
-        return "session.toonkit" if self._on_screen is None else self._on_screen.opened.session_name
 
     @property
     def corrections(self) -> MaterialCorrections:
