@@ -96,7 +96,7 @@ def test_a_picture_that_cannot_be_read_is_reported_and_nothing_changes(relight_p
 
 def test_a_picture_of_ones_own_is_analyzed(relight_page):
     upload_ball(relight_page, 96)
-    chosen = relight_page.locator('[data-value][aria-checked="true"]')
+    chosen = relight_page.locator('[role=radiogroup]:not([aria-label="Your files"]) [aria-checked="true"]')
     # The method alone: no sample any more, and no material once the tab shows the new drawing.
     assert until(relight_page, lambda: chosen.count() == 1)
     relight_page.wait_for_selector("text=/Estimated light: azimuth .* sure/")

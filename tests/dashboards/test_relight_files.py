@@ -200,6 +200,7 @@ def test_a_foreign_file_is_refused_with_what_to_do_and_the_work_is_kept(relight_
     )
     relight_page.wait_for_selector("text=/source must be .*other.toonkit/")
     np.testing.assert_array_equal(relit_pixels(relight_page), before)
+    expect(relight_page.get_by_role("radio", name="other.toonkit")).to_have_count(0)
 
 
 @pytest.mark.parametrize("kind", ["psd", "ora", "kra"])

@@ -72,6 +72,13 @@ def test_a_file_that_arrives_again_is_told_of_again(refusals):
     assert told == [("a.png", b"12345")] * 2
 
 
+def test_nothing_is_kept_of_who_has_left(refusals):
+    dropper = FileDropper()
+    send(dropper, b"12345")
+    dropper.close()
+    assert (dropper.value, dropper.arrived, dropper._file_buffer) == ({}, ("", b""), {})
+
+
 def test_the_latest_files_are_kept_up_to_a_number_and_a_size(refusals, monkeypatch):
     monkeypatch.setattr(upload, "MOST_FILES", 3)
     monkeypatch.setattr(upload, "MOST_KEPT_BYTES", 25)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import panel as pn
 
+from toonkit._validation import ToonkitError
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.light import describe_light
 from toonkit.samples import sample_names, sample_path, sample_title
@@ -81,7 +82,11 @@ def drawing_picker(state: RelightState) -> pn.Column:
             tell_light(state.analysis)
 
     async def arrived(file: tuple[str, bytes]) -> None:
-        await show(*file, again=False)
+        try:
+            await show(*file, again=False)
+        except ToonkitError:
+            dropper.let_go(file[0])  # of what cannot be shown
+            raise
 
     def on_screen() -> str:
         return "" if state.analysis is None else state.on_screen.opened.file_name

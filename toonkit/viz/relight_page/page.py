@@ -24,6 +24,7 @@ from toonkit.viz.relight_page.insight import insight
 from toonkit.viz.relight_page.settings import METHOD_DESCRIPTIONS
 from toonkit.viz.relight_page.snippets import command_snippet, python_snippet
 from toonkit.viz.relight_page.state import RelightState
+from toonkit.viz.relight_page.upload import FileDropper
 from toonkit.viz.relight_page.view import RelightView
 from toonkit.viz.session_end import free_when_left
 
@@ -171,11 +172,11 @@ def downloads(state: RelightState) -> pn.Column:
 def relight_page() -> pmui.Page:
     """Return the page for one visitor, with the first sample on its way."""
     state = RelightState()
-    view = stage(state)
+    view, picker = stage(state), drawing_picker(state)
     page = pmui.Page(
         title="toonkit · relight a drawing",
         main=[pn.Column(view, insight(state), margin=16, styles=AS_HIGH_AS_NEEDED, **WIDE)],
-        sidebar=[drawing_picker(state), method_picker(state), light_controls(state), downloads(state)],
+        sidebar=[picker, method_picker(state), light_controls(state), downloads(state)],
         sidebar_width=300,
         sidebar_resizable=False,
         theme="dark",
@@ -189,7 +190,8 @@ def relight_page() -> pmui.Page:
         await state.open_sample(sample_names()[0])
 
     pn.state.onload(first_picture)
-    free_when_left(page, state.close, view.close)
+    droppers = picker.select(FileDropper)
+    free_when_left(page, state.close, view.close, *(dropper.close for dropper in droppers))
     return page
 
 

@@ -54,7 +54,7 @@ class FileDropper(pn.widgets.FileDropper):
             self.value.pop(name, None)  # so that it comes last
         super()._process_event(event)
         if last:
-            self._let_go()
+            self._let_go_of_the_oldest()
             with param.parameterized.discard_events(self):
                 self.arrived = name, self.value[name]
             self.param.trigger("arrived")  # also of a file that arrives again
@@ -70,10 +70,20 @@ class FileDropper(pn.widgets.FileDropper):
         if parts:
             self._file_buffer.pop(name, None)
 
-    def _let_go(self) -> None:
-        """Let go of the oldest files, as many as are too many."""
-        while len(self.value) > MOST_FILES or sum(map(len, self.value.values())) > MOST_KEPT_BYTES:
-            oldest = next(iter(self.value))
-            del self.value[oldest]
-            self.mime_type.pop(oldest, None)
+    def let_go(self, name: str) -> None:
+        """Keep a file no longer."""
+        self.value.pop(name, None)
+        self.mime_type.pop(name, None)
         self.param.trigger("value")
+
+    def close(self) -> None:
+        """Keep nothing: the visitor has left."""
+        self._received.clear()
+        self._file_buffer.clear()
+        with param.parameterized.discard_events(self):
+            self.param.update(value={}, mime_type={}, arrived=("", b""))
+
+    def _let_go_of_the_oldest(self) -> None:
+        """Keep as many files as may be kept."""
+        while len(self.value) > MOST_FILES or sum(map(len, self.value.values())) > MOST_KEPT_BYTES:
+            self.let_go(next(iter(self.value)))
