@@ -49,7 +49,7 @@ _NAME_AT = 30
 class Given:
     """What is known of a drawing before it is analyzed: as of `toonkit.analyze`, shape (H, W) each, or None."""
 
-    materials: NDArray[np.intp] | None = None
+    materials: NDArray[np.integer] | None = None
     ink: BoolArray | None = None
     highlights: BoolArray | None = None
 
