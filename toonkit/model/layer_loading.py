@@ -43,7 +43,7 @@ class LayeredDrawing:
     """
 
     image: ToonImage
-    materials: NDArray[np.intp] | None = None
+    materials: NDArray[np.integer] | None = None
     ink: BoolArray | None = None
     ink_layers: tuple[str, ...] = ()
     flats_layers: tuple[str, ...] = ()
