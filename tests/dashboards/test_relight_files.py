@@ -47,7 +47,7 @@ STRAY_SHARE = 0.0005  # of pixels, which half floats put on the other side of an
 def painted(page):
     """The relit picture as the graphics card paints it, RGBA."""
     wait_until_shown(page)
-    width, height, pixels = page.locator(".card.relit canvas.picture").evaluate(PAINTED)
+    width, height, pixels = page.locator(".card.relit .after canvas.picture").evaluate(PAINTED)
     return np.array(pixels).reshape(height, width, 4)[::-1]
 
 
