@@ -231,6 +231,7 @@ def test_files_that_were_dropped_together_are_switched_between(relight_page):
     ]
     relight_page.locator("input[type=file]").set_input_files(files)
     cards = relight_page.get_by_role("radiogroup", name="Your files")
+    expect(cards.get_by_role("radio", name="ball 102.png")).to_have_attribute("aria-checked", "true")
     for side in (98, 102, 98):
         card = cards.get_by_role("radio", name=f"ball {side}.png")
         card.click()
