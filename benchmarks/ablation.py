@@ -30,10 +30,12 @@ from toonkit.model.color_map import ColorMap
 from toonkit.model.materials import Materials
 from toonkit.numerics.report import NOT_REFINED
 from toonkit.study.color_maps import load_color_maps
-from toonkit.study.contestants import Contestant
+from toonkit.study.estimators import Estimator
+from toonkit.study.painting import Painting, StudySettings, paint
+from toonkit.study.records import Trial
 from toonkit.study.rendering import render_shape
 from toonkit.study.shapes import SHAPES
-from toonkit.study.trials import Painting, StudySettings, Trial, paint, run_trial
+from toonkit.study.trials import run_trial
 
 COLOR_MAP_NAMES = ("plum_cream", "terracotta", "ocean", "night_lamp", "lilac_soft", "clay_smooth")
 """Two, three and five hard tones, uneven ones, soft ones, and one that is nearly Lambert."""
@@ -101,7 +103,7 @@ def measured(
 
 
 def _row(variant: str, trial: Trial, painting: Painting, method: Method) -> Row:
-    record = run_trial(trial, SHAPES[trial.shape].kind, painting, Contestant(method))
+    record = run_trial(trial, SHAPES[trial.shape].kind, painting, Estimator(method))
     if record.error:
         raise RuntimeError(f"{trial.key}: {record.error}")
     return {"variant": variant, **{name: getattr(record, name) for name in COLUMNS[1:]}}

@@ -25,7 +25,7 @@ from toonkit.estimation.refinement import Refinement
 from toonkit.methods import Method
 from toonkit.methods.steps import StepProgress, Steps
 from toonkit.numerics.report import NOT_REFINED
-from toonkit.study.trials import Painting
+from toonkit.study.painting import Painting
 
 SCREENS = (1 / 24, 1 / 12, 1 / 6, np.inf)
 """Lengths over which the multi-scale inflation forgets the outline, in square roots of the object's area."""

@@ -36,9 +36,9 @@ from toonkit.methods import Method
 from toonkit.methods.steps import StepProgress, Steps
 from toonkit.methods.toonkit import OPTIONS
 from toonkit.numerics.masked_grid import OUTSIDE, MaskedGrid
-from toonkit.numerics.membrane import Membrane, solve_membrane
+from toonkit.numerics.screened_poisson import ScreenedPoisson, solve_screened_poisson
+from toonkit.study.painting import Painting
 from toonkit.study.rendering import RenderedShape
-from toonkit.study.trials import Painting
 
 STEEPEST = 0.35
 """Smallest z of a nearer side's normal by which its slope is taken: at a rim it would have no end."""
@@ -53,7 +53,7 @@ SMOOTHING = 1.5
 """Pixels over which illumination is smoothed to tell where a contour faces."""
 
 STIFFNESS, LEFT = 2.0, 1e-3
-"""Of a tie to a contour that runs half a pixel away; and what is left of a link that crosses one."""
+"""Screening toward a contour that runs half a pixel away, and what is left of an edge weight across one."""
 
 INK = (0.05, 0.04, 0.06)
 """sRGB of the lines."""
@@ -139,11 +139,13 @@ def inflated_within(image: ToonImage, contours: Contours | None) -> NormalField:
     fields = []
     for island in islands:
         cut, outward = contours.cut[island.pixels], contours.outward[island.pixels]
-        membrane, pull = silhouette_system(island.grid, island.silhouette)
-        links = membrane.links * np.where(cut, LEFT, 1.0).astype(np.float32)
-        membrane = Membrane(island.grid, links, membrane.ties + STIFFNESS * outward.any(axis=1))
+        system, pull = silhouette_system(island.grid, island.silhouette)
+        edge_weights = system.edge_weights * np.where(cut, LEFT, 1.0).astype(np.float32)
+        system = ScreenedPoisson(
+            island.grid, edge_weights, system.screening + STIFFNESS * outward.any(axis=1)
+        )
         pull = pull + STIFFNESS * (outward[:, 0] + 1j * outward[:, 1])
-        sideways, _ = solve_membrane(membrane, pull, tolerance=RESIDUAL_TOLERANCE)
+        sideways, _ = solve_screened_poisson(system, pull, tolerance=RESIDUAL_TOLERANCE)
         flat = sideways / np.maximum(np.abs(sideways), 1.0)
         forward = np.sqrt(np.maximum(1.0 - flat.real**2 - flat.imag**2, 0.0))
         fields.append(np.stack([flat.real, flat.imag, forward], axis=1))

@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
 from toonkit.numerics.change_energy import ChangeEnergy
-from toonkit.numerics.change_kernels import relax
+from toonkit.numerics.change_kernels import sweep_change
 from toonkit.numerics.gauss_seidel import OverRelaxation
 from toonkit.numerics.masked_grid import OUTSIDE, RIGHT, UP, MaskedGrid
-from toonkit.numerics.membrane import Membrane
+from toonkit.numerics.screened_poisson import ScreenedPoisson
 from toonkit.numerics.smoothness_energy import SmoothnessEnergy
-from toonkit.numerics.unit_vectors import UnitVectorEnergy, moved
+from toonkit.numerics.unit_vectors import UnitVectorEnergy, add_and_normalize
 
 RELAXATION = 1.5
 """The paper's over-relaxation."""
@@ -54,24 +54,26 @@ def by_pyamg(matrix: sp.csr_matrix, right_side: Array) -> Array:
     return np.stack(parts, axis=1)
 
 
-def laplacian(grid: MaskedGrid, links: Array, ties: Array) -> sp.csr_matrix:
-    """Assemble a membrane's matrix."""
-    matrix = sp.diags(ties + links.sum(axis=1)).tocsr()
+def laplacian(grid: MaskedGrid, edge_weights: Array, screening: Array) -> sp.csr_matrix:
+    """Assemble the matrix of a screened Poisson system."""
+    matrix = sp.diags(screening + edge_weights.sum(axis=1)).tocsr()
     for k in range(4):
         here = np.flatnonzero(grid.neighbors[:, k] != OUTSIDE)
         there = grid.neighbors[here, k]
-        matrix = matrix - sp.csr_matrix((links[here, k], (here, there)), matrix.shape)
+        matrix = matrix - sp.csr_matrix((edge_weights[here, k], (here, there)), matrix.shape)
     return matrix.tocsr()
 
 
-def membrane_solved(membrane: Membrane, right_side: NDArray[np.complex128], solve: LinearSolver) -> Array:
-    """Solve a membrane system with two right sides, assembling included."""
-    matrix = laplacian(membrane.grid, membrane.links, membrane.ties)
+def solve_poisson_with(
+    poisson: ScreenedPoisson, right_side: NDArray[np.complex128], solve: LinearSolver
+) -> Array:
+    """Solve a screened Poisson system with two right sides, assembling included."""
+    matrix = laplacian(poisson.grid, poisson.edge_weights, poisson.screening)
     return solve(matrix, np.stack([right_side.real, right_side.imag], axis=1))
 
 
-def membrane_swept(
-    membrane: Membrane, right_side: NDArray[np.complex128], tolerance: float, limit: float
+def sweep_poisson(
+    poisson: ScreenedPoisson, right_side: NDArray[np.complex128], tolerance: float, limit: float
 ) -> float:
     """Sweep from zero until the residual is as small as asked for; return the seconds, `limit` at most."""
     field = np.zeros_like(right_side)
@@ -79,8 +81,8 @@ def membrane_swept(
     begin = time.perf_counter()
     while time.perf_counter() - begin < limit:
         for _ in range(LOOKED_AT_EVERY):
-            membrane.relax(right_side, field, backward=False)
-        if np.linalg.norm(right_side - membrane.apply(field)) <= goal:
+            poisson.sweep(right_side, field, backward=False)
+        if np.linalg.norm(right_side - poisson.apply(field)) <= goal:
             break
     return time.perf_counter() - begin
 
@@ -88,7 +90,7 @@ def membrane_swept(
 def energy(problem: UnitVectorEnergy, field: Array, gradient: Array | None = None) -> float:
     """Energy of a field, by the same compiled loop for everyone."""
     return problem.value_and_gradient(
-        problem.posed, field, np.empty_like(field) if gradient is None else gradient
+        problem.terms, field, np.empty_like(field) if gradient is None else gradient
     )
 
 
@@ -119,7 +121,7 @@ def _field_sweeps(problem: ChangeEnergy, field: Array, sweeps: int) -> Array:
     nothing = np.zeros(0)
     _over_relaxed(
         problem.grid.neighbors, problem.start, problem.direction, nothing, nothing, problem.lower, problem.upper,
-        problem.weight, problem.links, problem.ties, problem.change_weight, problem.integrability_weight,
+        problem.weight, problem.edge_weights, problem.screening, problem.change_weight, problem.integrability_weight,
         np.zeros((0, 3)), field, RELAXATION, sweeps,
     )  # fmt: skip
     return field
@@ -148,7 +150,7 @@ def newton(
         slopes = -(frame.T @ gradient.ravel())
         step = (frame @ solve(matrix.tocsr(), slopes[:, None])[:, 0]).reshape(field.shape)
         for length in (1.0, 0.5, 0.25, 0.1, 0.03):
-            trial = moved(problem.grid, field, length * step)
+            trial = add_and_normalize(problem.grid, field, length * step)
             after = energy(problem, trial, slopes_after)
             if after < reached:
                 break
@@ -178,10 +180,12 @@ def _tangents(field: Array) -> sp.csr_matrix:
 def _bilinear(problem: UnitVectorEnergy) -> tuple[sp.csr_matrix, Array]:
     """Return what holds the vectors together, as a matrix (P, P) for each component, and the field left at rest."""
     if isinstance(problem, SmoothnessEnergy):
-        turns = laplacian(problem.grid, problem.links, np.zeros(problem.grid.size))
+        turns = laplacian(problem.grid, problem.edge_weights, np.zeros(problem.grid.size))
         squared = turns.T @ sp.diags(1.0 / problem.areas) @ turns
         return (problem.smoothness * squared).tocsr(), np.zeros_like(problem.start)
-    return problem.change_weight * laplacian(problem.grid, problem.links, problem.ties), problem.start
+    return problem.change_weight * laplacian(
+        problem.grid, problem.edge_weights, problem.screening
+    ), problem.start
 
 
 def _curvature(
@@ -228,7 +232,7 @@ def _curl(grid: MaskedGrid, field: Array) -> sp.csr_matrix:
 
 @njit(cache=True)
 def _over_relaxed(  # type: ignore[no-untyped-def]
-    neighbors, start, light, hold, target, lower, upper, weight, links, ties, change_weight, curl_weight, source,
+    neighbors, start, light, hold, target, lower, upper, weight, edge_weights, screening, change_weight, curl_weight, tau,
     field, relaxation, sweeps,
 ):  # fmt: skip
     old = np.empty(3)
@@ -236,9 +240,9 @@ def _over_relaxed(  # type: ignore[no-untyped-def]
         for p in range(field.shape[0]):
             for c in range(3):
                 old[c] = field[p, c]
-            relax(
-                neighbors, start, light, hold, target, lower, upper, weight, links, ties, change_weight, curl_weight,
-                source, field, False, p, p + 1,
+            sweep_change(
+                neighbors, start, light, hold, target, lower, upper, weight, edge_weights, screening,
+                change_weight, curl_weight, tau, field, False, p, p + 1,
             )  # fmt: skip
             length = 0.0
             for c in range(3):

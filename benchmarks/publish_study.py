@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from toonkit.study.reporting.cells import on_track
+from toonkit.study.reporting.measure_table import on_track
 from toonkit.study.reporting.statistics import method_means
 from toonkit.study.reporting.text import means_text
 from toonkit.study.table import CSV_NAME, PROVENANCE_NAME, load_trials, write_csv

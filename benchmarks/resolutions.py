@@ -24,9 +24,9 @@ from toonkit._validation import FloatArray
 from toonkit.estimation.shape_prior import completed, correct_shape
 from toonkit.model.luminance import linear_to_srgb, srgb_to_linear
 from toonkit.study.color_maps import load_color_maps
+from toonkit.study.painting import StudySettings, paint
 from toonkit.study.rendering import render_shape
 from toonkit.study.shapes import SHAPES
-from toonkit.study.trials import StudySettings, paint
 
 LARGE, FACTOR = 1024, 4
 """Side of the larger pictures, and how many times smaller the others are."""

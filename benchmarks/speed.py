@@ -37,7 +37,7 @@ from toonkit.methods.steps import inflate_drawing
 from toonkit.methods.todo import LAMBDA, RHO
 from toonkit.methods.toonkit import OPTIONS
 from toonkit.numerics.change_energy import ChangeEnergy
-from toonkit.numerics.membrane import Membrane, solve_membrane
+from toonkit.numerics.screened_poisson import ScreenedPoisson, solve_screened_poisson
 from toonkit.numerics.smoothness_energy import SmoothnessEnergy
 from toonkit.numerics.unit_field import solve_unit_field
 from toonkit.numerics.unit_vectors import UnitVectorEnergy
@@ -147,9 +147,9 @@ def measured(shape: str, size: int, method: str, repeats: int) -> Row:
 
 @dataclass(frozen=True)
 class Problems:
-    """What an analysis solves: the inflation's membrane with its right side, the refinement's field; and Eq. 5 from N0."""
+    """What an analysis solves: the inflation's system with its right side, the refinement's field; and Eq. 5 from N0."""
 
-    membrane: Membrane
+    system: ScreenedPoisson
     right_side: np.ndarray
     field: ChangeEnergy
     printed: SmoothnessEnergy
@@ -159,12 +159,12 @@ def problems(shape: str, size: int) -> Problems:
     image = drawing(shape, size)
     steps = inflate_drawing(image, LIGHT, None)
     (island,) = steps.drawing.islands
-    membrane, right_side = silhouette_system(island.grid, island.silhouette)
+    system, right_side = silhouette_system(island.grid, island.silhouette)
     initial = steps.initial_normals
     corrected = correct_shape(steps.drawing, LIGHT, initial)
     (allowed, _), (printed, _) = (steps.fit_intervals(normals) for normals in (corrected, initial))
     return Problems(
-        membrane,
+        system,
         right_side,
         change_energy(island.grid, island.silhouette, corrected.compact, LIGHT, allowed, OPTIONS),
         steps.printed_energy(printed, rho=RHO, smoothness=LAMBDA),
@@ -180,17 +180,17 @@ def compared(shape: str, size: int, repeats: int, slow: set[tuple[str, str]]) ->
     posed = problems(shape, size)
 
     def ours() -> object:
-        return solve_membrane(posed.membrane, posed.right_side, tolerance=RESIDUAL_TOLERANCE)
+        return solve_screened_poisson(posed.system, posed.right_side, tolerance=RESIDUAL_TOLERANCE)
 
     others: dict[tuple[str, str], Callable[[], float]] = {
         ("inflation", "sparse LU"): lambda: timed(
-            lambda: other_solvers.membrane_solved(posed.membrane, posed.right_side, other_solvers.factorized)
+            lambda: other_solvers.solve_poisson_with(posed.system, posed.right_side, other_solvers.factorized)
         ),
         ("inflation", "pyamg"): lambda: timed(
-            lambda: other_solvers.membrane_solved(posed.membrane, posed.right_side, other_solvers.by_pyamg)
+            lambda: other_solvers.solve_poisson_with(posed.system, posed.right_side, other_solvers.by_pyamg)
         ),
-        ("inflation", SWEEPS): lambda: other_solvers.membrane_swept(
-            posed.membrane, posed.right_side, RESIDUAL_TOLERANCE, LIMIT
+        ("inflation", SWEEPS): lambda: other_solvers.sweep_poisson(
+            posed.system, posed.right_side, RESIDUAL_TOLERANCE, LIMIT
         ),
     }
     rows = [_solver_row(shape, size, "inflation", "toonkit", median_seconds(ours, repeats))]

@@ -27,10 +27,12 @@ from toonkit.model.normals import NormalField
 from toonkit.numerics.smoothness_energy import SmoothnessEnergy
 from toonkit.numerics.unit_field import solve_unit_field
 from toonkit.study.color_maps import load_color_maps
-from toonkit.study.contestants import Contestant
+from toonkit.study.estimators import Estimator
+from toonkit.study.painting import StudySettings, paint
+from toonkit.study.records import Trial
 from toonkit.study.rendering import render_shape
 from toonkit.study.shapes import SHAPES
-from toonkit.study.trials import StudySettings, Trial, paint, run_trial
+from toonkit.study.trials import run_trial
 
 SWEEPS = (0, 20, 50, 100, 200, 500, 1000, 2000, 5000, math.inf)
 CONVERGED = 1e-6
@@ -72,7 +74,7 @@ def measured(settings: StudySettings) -> list[Row]:
             energies: list[float] = []
             method = functools.partial(stopped, sweeps=sweeps, energies=energies)
             trial = Trial(shape, color_map, "todo", "given")
-            record = run_trial(trial, SHAPES[shape].kind, painting, Contestant(method))
+            record = run_trial(trial, SHAPES[shape].kind, painting, Estimator(method))
             if record.error:
                 raise RuntimeError(record.error)
             row = {name: getattr(record, name) for name in COLUMNS[1:-1]}

@@ -1,4 +1,4 @@
-"""What tells that two tones that touch are one material: the weights of `toonkit.illustration.ramps.EVIDENCE`, fitted anew.
+"""Fit the weights `toonkit.illustration.contact_cues.CUE_WEIGHTS`: what tells that two touching tones are one material.
 
     python -m benchmarks.tone_pairs --drawings 150
 
@@ -18,8 +18,10 @@ from tqdm import tqdm
 from benchmarks.materials import TOUCHED, drawn
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.preparation import prepare
+from toonkit.illustration.contact_cues import CUE_WEIGHTS, measure_contact_cues
 from toonkit.illustration.materials import read_tones
-from toonkit.illustration.ramps import EVIDENCE, SMALL, shade_cost, touching_cues
+from toonkit.illustration.ramps import SMALL
+from toonkit.illustration.shades import shade_cost
 from toonkit.synthetic.drawing import DrawnScene
 
 FIRST_SEED = 30_000
@@ -44,11 +46,11 @@ def pairs_of(scene: DrawnScene) -> tuple[FloatArray, BoolArray, FloatArray]:
     pure = table.max(axis=1) > PURE * np.maximum(table.sum(axis=1), 1.0)
     told = pure & (tones.area > SMALL * tones.area.sum())
     first, second = np.nonzero(np.triu(tones.contact > 0, 1) & told[:, None] & told)
-    cues = touching_cues(tones, shade_cost(tones.lab), facing)
+    cues = measure_contact_cues(tones, shade_cost(tones.lab), facing)
     share = np.minimum(tones.area[first], tones.area[second]) / tones.area.sum()
     same = table.argmax(axis=1)[first] == table.argmax(axis=1)[second]
     return (
-        np.column_stack([cues[name][first, second] for name in EVIDENCE]),
+        np.column_stack([cues[name][first, second] for name in CUE_WEIGHTS]),
         same,
         np.sqrt(share) + 0.02,
     )
@@ -76,8 +78,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     found = [pairs_of(drawn(FIRST_SEED + step, given.size)) for step in tqdm(range(given.drawings))]
     cues, same, weight = (np.concatenate(parts) for parts in zip(*found, strict=True))
     print(f"{len(same)} pairs in {given.drawings} drawings")
-    for name, value in zip(EVIDENCE, fitted(cues, same, weight), strict=True):
-        print(f"{name:<16} {value:8.2f}   used: {EVIDENCE[name]:6.2f}")
+    for name, value in zip(CUE_WEIGHTS, fitted(cues, same, weight), strict=True):
+        print(f"{name:<16} {value:8.2f}   used: {CUE_WEIGHTS[name]:6.2f}")
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from dataclasses import asdict
 import numpy as np
 import pandas as pd
 
-from toonkit.study.trials import Record
+from toonkit.study.records import Record
 
 SHAPES = ("sphere", "torus", "cat", "duck", "pear", "hand")
 COLOR_MAPS = ("plum_cream", "terracotta", "candy", "ocean", "amber_steps", "clay_smooth")

@@ -20,9 +20,9 @@ from toonkit.estimation.refinement import RefinementOptions
 from toonkit.estimation.shape_prior import correct_shape
 from toonkit.numerics.masked_grid import MaskedGrid
 from toonkit.study.color_maps import load_color_maps
+from toonkit.study.painting import Painting, StudySettings, paint
 from toonkit.study.rendering import RenderedShape, render_shape
 from toonkit.study.shapes import SHAPES
-from toonkit.study.trials import Painting, StudySettings, paint
 
 STUDY = Path(__file__).parent.parent / "notebooks" / "study"
 SMALL = StudySettings(size=48)

@@ -13,7 +13,7 @@ import toonkit
 from benchmarks import materials, tone_pairs
 from benchmarks.agreement import adjusted_rand_index, f1_score
 from benchmarks.material_sheets import TILE, sheet
-from toonkit.illustration.ramps import EVIDENCE
+from toonkit.illustration.contact_cues import CUE_WEIGHTS
 from toonkit.metrics import picture_error
 from toonkit.model.decoding import read_pixels
 from toonkit.synthetic.drawing import draw_scene
@@ -162,5 +162,5 @@ def test_weights_of_known_odds_are_fitted():
 
 def test_pairs_of_a_drawing_have_a_cue_for_every_weight():
     cues, same, weight = tone_pairs.pairs_of(materials.drawn(3, 96))
-    assert cues.shape == (len(same), len(EVIDENCE)) == (len(weight), len(EVIDENCE))
+    assert cues.shape == (len(same), len(CUE_WEIGHTS)) == (len(weight), len(CUE_WEIGHTS))
     assert 0 < same.sum() < len(same)

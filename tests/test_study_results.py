@@ -10,18 +10,20 @@ import pandas as pd
 import pytest
 
 from benchmarks import publish_study, sweeps
+from notebooks.plots.sweeps import describe_sweeps
 from toonkit import METHODS
 from toonkit.study.color_maps import load_color_maps
-from toonkit.study.contestants import contestants
 from toonkit.study.digests import NETWORKS_USED
+from toonkit.study.estimators import list_estimators
+from toonkit.study.painting import StudySettings, paint
 from toonkit.study.plan import StudyPlan, plan_study
+from toonkit.study.records import Trial
 from toonkit.study.rendering import RenderedShape
-from toonkit.study.reporting.cells import on_track
-from toonkit.study.reporting.text import sweeps_text
+from toonkit.study.reporting.measure_table import on_track
+from toonkit.study.scenes import render
 from toonkit.study.shapes import SHAPES
-from toonkit.study.subjects import render
 from toonkit.study.table import load_provenance, load_trials, settings_of
-from toonkit.study.trials import StudySettings, Trial, paint, run_trial
+from toonkit.study.trials import run_trial
 
 ROOT = Path(__file__).parent.parent
 STUDY = ROOT / "notebooks" / "study"
@@ -45,7 +47,7 @@ def trials() -> pd.DataFrame:
 
 def test_the_table_has_a_row_for_every_trial_and_none_failed(trials):
     assert len(trials) == 20 * 24 * 6
-    assert len(trials) == len(SHAPES) * len(load_color_maps()) * len(contestants())
+    assert len(trials) == len(SHAPES) * len(load_color_maps()) * len(list_estimators())
     assert not trials.duplicated(["shape", "color_map", "method"]).any()
     assert (trials["error"] == "").all()
     assert (trials["size"] == StudySettings().size).all()
@@ -142,7 +144,7 @@ def test_the_table_of_sweeps_is_the_one_its_benchmark_makes():
 
 def test_the_document_says_how_accurate_the_minimum_of_the_papers_energy_is():
     (said,) = re.findall(r"<!-- minimum: begin -->\n(.*?)\n<!-- minimum: end -->", ACCURACY, re.DOTALL)
-    assert said == sweeps_text(pd.read_csv(STUDY / "sweeps.csv"))
+    assert said == describe_sweeps(pd.read_csv(STUDY / "sweeps.csv"))
     shapes, color_maps = len(sweeps.SHAPE_NAMES), len(sweeps.COLOR_MAP_NAMES)
     assert f"measured on {shapes} shapes with {color_maps} color maps each" in TEXT
 

@@ -17,7 +17,7 @@ from toonkit.estimation.light_fit import LightEstimate
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.estimation.shading_ratio import PaintedMaterial
 from toonkit.illustration.palette import Palette, find_palette
-from toonkit.illustration.recoloring import recolor, recolored_materials, texture_share
+from toonkit.illustration.recoloring import recolor, recolor_materials, texture_share
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.description import describe_object
 from toonkit.model.image import ToonImage
@@ -26,8 +26,8 @@ from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination
 from toonkit.model.tone_ramp import ToneRamp
-from toonkit.numerics.bands import run_in_pieces
 from toonkit.numerics.masked_grid import IndexArray
+from toonkit.numerics.parallel import run_on_chunks
 from toonkit.numerics.report import NOT_REFINED, SolverReport
 
 LightSource = Literal["given", "estimated", "assumed"]
@@ -179,7 +179,7 @@ class ToonAnalysis:
             if not flat:
                 lit = color_map(np.quantile(value[material.pixels], 1.0 - SHINE))
                 pixels = np.arange(len(value)) if isinstance(material.pixels, slice) else material.pixels
-                run_in_pieces(_unshade, len(pixels), pixels, value, color_map, lit, paint)
+                run_on_chunks(_unshade, len(pixels), pixels, value, color_map, lit, paint)
         return self._composed(np.clip(paint, 0.0, 1.0, out=paint), highlights=0.0)
 
     @cached_property
@@ -247,7 +247,7 @@ class ToonAnalysis:
             of_type("ramps", ramp, ToneRamp)
             if number not in range(drawn.count):
                 raise refuse("ramps", f"must be of materials 0 to {drawn.count - 1}", number)
-        return replace(self, materials=recolored_materials(drawn, ramps), drawn_materials=drawn)
+        return replace(self, materials=recolor_materials(drawn, ramps), drawn_materials=drawn)
 
     def recolor(self, paint: FloatArray, pixels: IndexArray | slice) -> FloatArray:
         """

@@ -23,8 +23,8 @@ from toonkit.model.description import describe_object
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.numerics.masked_grid import DOWN, LEFT, OUTSIDE, RIGHT, UP, MaskedGrid
-from toonkit.numerics.membrane import Membrane, solve_membrane, uniform_links
 from toonkit.numerics.report import SolverReport
+from toonkit.numerics.screened_poisson import ScreenedPoisson, solve_screened_poisson, uniform_edge_weights
 
 if TYPE_CHECKING:
     import trimesh
@@ -120,9 +120,9 @@ def height_map(normals: NormalField) -> HeightField:
         agreement = np.sum(vectors[here] * vectors[other], axis=1)
         links[here, direction] = facing / (1.0 + ((1.0 - agreement) / (1.0 - half)) ** 2)
         flow[here, direction] = sign * (slopes[here, axis] + slopes[other, axis]) / 2
-    membrane = Membrane(grid, links, np.full(grid.size, TIE))
+    membrane = ScreenedPoisson(grid, links, np.full(grid.size, TIE))
     right_side = -np.sum(links * flow, axis=1)
-    height, report = solve_membrane(membrane, right_side, tolerance=1e-6)
+    height, report = solve_screened_poisson(membrane, right_side, tolerance=1e-6)
     return HeightField(grid.scatter(_from_zero(grid, height)), normals.mask, report)
 
 
@@ -148,8 +148,8 @@ def level_rim(field: HeightField) -> HeightField:
     of_type("field", field, HeightField)
     grid = MaskedGrid(field.mask)
     height, ties = grid.gather(field.height), np.where(grid.rim, AT_RIM, 0.0)
-    smoothest, report = solve_membrane(
-        Membrane(grid, uniform_links(grid), ties), ties * height, tolerance=1e-6
+    smoothest, report = solve_screened_poisson(
+        ScreenedPoisson(grid, uniform_edge_weights(grid), ties), ties * height, tolerance=1e-6
     )
     return HeightField(grid.scatter(np.maximum(height - smoothest, 0.0)), field.mask, report)
 

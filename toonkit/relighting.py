@@ -17,8 +17,8 @@ from toonkit.illustration.palette import MOST_COLORS, Palette, nearest_in_ramps
 from toonkit.model.image import ToonImage
 from toonkit.model.light import direction_of
 from toonkit.model.materials import Materials
-from toonkit.numerics.bands import run_in_bands
 from toonkit.numerics.compiled import njit
+from toonkit.numerics.parallel import run_on_row_chunks
 
 DETAIL_RANGE = 0.15
 """Change of illumination over which the painted detail hands over to the model: about half a tone of a four-tone ramp."""
@@ -142,7 +142,7 @@ def relight(
     strength = flat_shading * (turn_share(analysis.light, light) if keep_detail else 1.0)
     color = np.empty_like(image.pixels)
     painted = analysis.recolor(image.pixels, slice(None)) if analysis.is_recolored.any() else image.pixels
-    run_in_bands(
+    run_on_row_chunks(
         _paint, labels, normals, painted, analysis.light, light,
         *_stacked(paint.materials), float(strength), bool(keep_detail), color,
     )  # fmt: skip
@@ -274,7 +274,7 @@ def relight_pixels(
     for new_light in new_lights:
         color = np.empty_like(painted)
         strength = turn_share(light, new_light) if keep_detail else 1.0
-        run_in_bands(
+        run_on_row_chunks(
             _paint, labels, normals, painted, light, new_light,
             *_stacked(paint.materials), float(strength), bool(keep_detail), color,
         )  # fmt: skip

@@ -17,10 +17,10 @@ from toonkit.analysis import ToonAnalysis
 from toonkit.metrics import angular_error, color_rmse
 from toonkit.relighting import relight
 from toonkit.study.measures import MEASURES, Measure
-from toonkit.study.reporting.cells import cells
+from toonkit.study.reporting.measure_table import arrange
 from toonkit.study.reporting.statistics import TOO_FEW, Interval, contrast, resample
 from toonkit.study.reporting.tables import heading
-from toonkit.viz.figures.study_style import ROW, guide, method_label, panel_width
+from toonkit.viz.figures.study_style import ROW, draw_grid, format_name, panel_width
 from toonkit.viz.figures.style import METHOD_COLORS, PAGE_WIDTH, QUIET, SMALL, figure_style, fold, new_figure
 
 from .panels import (
@@ -94,7 +94,7 @@ def draw_ablation(
     with figure_style():
         figure = new_figure(0.75 + 1.15 * ROW * len(names), gap=0.03)
         panels = figure.subplots(1, len(measures), sharey=True, squeeze=False)[0]
-        labels = [method_label(name) for name in names]
+        labels = [format_name(name) for name in names]
         width = panel_width(labels, len(measures))
         for axes, column in zip(panels, measures, strict=True):
             measure = MEASURES[column]
@@ -102,7 +102,7 @@ def draw_ablation(
             _draw_differences(axes, found[column], measure)
             axes.set_title(measure.label)
             unit = f" ({measure.unit})" if measure.unit else ""
-            axes.set_xlabel(fold(f"difference from {method_label(versus)}{unit}", width))
+            axes.set_xlabel(fold(f"difference from {format_name(versus)}{unit}", width))
         panels[0].set_yticks(range(len(names)), labels)
         panels[0].set_ylim(len(names) - 0.5, -0.6)
         figure.supxlabel(fold(_legend(names, found), PAGE_WIDTH, size=SMALL), fontsize=SMALL, color=QUIET)
@@ -137,11 +137,11 @@ def ablation_table(table: pd.DataFrame, *, versus: str = "toonkit") -> pd.DataFr
         measure = MEASURES[column]
         shown[heading(column)] = {name: measure.shown(one.mean) for name, one in found.items()}
         if column in COMPARED:
-            shown[f"{measure.label.partition(',')[0]}, from {method_label(versus)}"] = {
+            shown[f"{measure.label.partition(',')[0]}, from {format_name(versus)}"] = {
                 name: "" if one.difference is None else one.difference.shown(measure, sign=True)
                 for name, one in found.items()
             }
-    return pd.DataFrame(shown).rename(index=method_label)
+    return pd.DataFrame(shown).rename(index=format_name)
 
 
 def draw_stages(comparison: Comparison, new_light: ArrayLike, *, limit: float = 60.0) -> Figure:
@@ -228,7 +228,7 @@ def _variants(table: pd.DataFrame, versus: str) -> list[str]:
 
 def _differences(table: pd.DataFrame, column: str, versus: str) -> dict[str, Entry]:
     """Return every variant's mean, and its difference from one of them: none from itself."""
-    found = cells(table.rename(columns={"variant": "method"}).assign(error=""), column)
+    found = arrange(table.rename(columns={"variant": "method"}).assign(error=""), column)
     draws = resample(found)
     return {
         name: Entry(
@@ -243,7 +243,7 @@ def _draw_differences(axes: Axes, found: Mapping[str, Entry], measure: Measure) 
     axes.axvline(0.0, color=QUIET, linewidth=0.7)
     axes.spines["left"].set_visible(False)
     axes.tick_params(axis="y", length=0)
-    guide(axes, "x")
+    draw_grid(axes, "x")
     whole = found.get("toonkit")
     if whole is not None and whole.difference is not None:
         axes.axvline(

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from toonkit.estimation.light_fit import CLOSE
 from toonkit.study.reporting.statistics import FEWEST, LEVEL, RESAMPLES, SEED
-from toonkit.viz.figures.study_style import guide
+from toonkit.viz.figures.study_style import draw_grid
 from toonkit.viz.figures.style import METHOD_COLORS, QUIET, SMALL, figure_style, new_figure
 
 PARTS = 10
@@ -136,7 +136,7 @@ def _finish_errors(by_confidence: Axes, by_elevation: Axes, within: float) -> No
     by_elevation.set_title("by elevation")
     by_elevation.tick_params(axis="y", left=False, labelleft=False)
     for axes in (by_confidence, by_elevation):
-        guide(axes, "y")
+        draw_grid(axes, "y")
         axes.axhline(within, color=QUIET, linewidth=0.7, linestyle=(0, (4, 3)), zorder=1)
 
 
@@ -146,4 +146,4 @@ def _finish_calibration(axes: Axes, within: float) -> None:
     axes.set(xlim=(0, 1), ylim=(0, 1), xticks=SHARES, yticks=SHARES)
     axes.set(xlabel="confidence of the estimate", ylabel=f"share within {within:g}°")
     axes.set_title("calibration")
-    guide(axes, "both")
+    draw_grid(axes, "both")

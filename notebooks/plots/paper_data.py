@@ -16,6 +16,7 @@ from toonkit.model.shading import shade
 from toonkit.study.color_maps import Ramp
 from toonkit.study.rendering import RenderedShape
 from toonkit.viz.figures.ramp import draw_ramp
+from toonkit.viz.figures.study_style import format_name
 from toonkit.viz.figures.style import INK, PAGE_WIDTH, QUIET, SMALL, figure_style, new_figure
 
 from .panels import caption, draw_picture, fill, part_title, proportion
@@ -68,7 +69,7 @@ def stylized_shading(
             row, column = divmod(index, across)
             above = figure.add_subplot(grid[2 * row, column])
             draw_picture(above, _painted(shape, color_map, light))
-            above.set_title(_spoken(name))
+            above.set_title(format_name(name))
             below = figure.add_subplot(grid[2 * row + 1, column])
             draw_ramp(below, color_map)
             if index + across >= len(color_maps):
@@ -118,7 +119,7 @@ def data_sets(
         ):
             draw_picture(axes, _painted(shape, paint, light))
             fill(axes, 1.0)
-            caption(axes, _spoken(name))
+            caption(axes, format_name(name))
         part_title(below, f"(b) {len(ramps)} color maps over illumination  L · N")
         _draw_ramps(below, ramps, ramp_rows)
         for axes in figure.axes:
@@ -136,7 +137,7 @@ def _draw_ramps(figure: SubFigure, ramps: Mapping[str, Ramp], rows: int) -> None
         axes = figure.add_subplot(grid[row + 1, column])
         draw_ramp(axes, ramp.color_map())
         _mark_steps(axes, ramp)
-        axes.set_title(_spoken(ramp.name), loc="left", fontsize=SMALL, pad=MARK_ROOM)
+        axes.set_title(format_name(ramp.name), loc="left", fontsize=SMALL, pad=MARK_ROOM)
         axes.set_title(", ".join(ramp.tags), loc="right", fontsize=SMALL - 1, color=QUIET, pad=MARK_ROOM)
         if row == rows - 1 or index == len(ramps) - 1:
             axes.set_xlabel("illumination  L · N")
@@ -155,8 +156,3 @@ def _mark_steps(axes: Axes, ramp: Ramp) -> None:
 
 def _painted(shape: RenderedShape, color_map: ColorMap, light: ArrayLike) -> ToonImage:
     return ToonImage(shade(shape.normals, light, color_map).color, shape.mask, alpha=shape.coverage)
-
-
-def _spoken(name: str) -> str:
-    """Return a key as it is read: "three_box" is the three box."""
-    return name.replace("_", " ")

@@ -9,23 +9,26 @@ from typing import Any
 import pandas as pd
 
 from toonkit.study.measures import MEASURES
-from toonkit.study.reporting.cells import names_in
+from toonkit.study.reporting.claims import Claim
 from toonkit.study.reporting.comparisons import comparisons
-from toonkit.study.reporting.findings import Finding
+from toonkit.study.reporting.measure_table import names_in
 from toonkit.study.reporting.statistics import Grouping, breakdown, method_means
 from toonkit.study.reporting.tables import (
     best_methods,
     extremes,
     heading,
     refinements,
-    shown_comparisons,
-    shown_findings,
-    shown_means,
-    shown_refinements,
+    show_checks,
+    show_claims,
+    show_comparisons,
+    show_means,
+    show_refinements,
 )
-from toonkit.viz.figures.study_style import method_colors, spoken
+from toonkit.viz.figures.study_style import format_name, method_colors
 
 VERDICT_COLORS = {"agrees": "#1a7f4b", "partly": "#9a6700", "disagrees": "#b3261e", "undecided": "#75757a"}
+
+OUTCOME_COLORS = {"holds": "inherit", "does not hold": "#b3261e", "undecided": "#75757a"}
 
 _LOOK: list[dict[str, Any]] = [
     {"selector": "th, td", "props": "text-align: left; padding: 0.25em 0.8em;"},
@@ -37,7 +40,7 @@ _LOOK: list[dict[str, Any]] = [
 def means_table(trials: pd.DataFrame) -> Any:
     """Return the centers of all methods with their intervals; measures down, methods across."""
     means = method_means(trials)
-    table, best = shown_means(means), best_methods(means)
+    table, best = show_means(means), best_methods(means)
 
     def weight(row: pd.Series) -> list[str]:
         return ["font-weight: 700" if method in best.get(row.name, ()) else "" for method in row.index]
@@ -47,7 +50,7 @@ def means_table(trials: pd.DataFrame) -> Any:
 
 def comparisons_table(trials: pd.DataFrame) -> Any:
     """Return the pairs of methods with differences, shares of trials won, and corrected p-values."""
-    return _styled(shown_comparisons(comparisons(trials)), _methods(trials)).hide(axis="index")
+    return _styled(show_comparisons(comparisons(trials)), _methods(trials)).hide(axis="index")
 
 
 def extremes_table(trials: pd.DataFrame, measure: str, by: Grouping) -> Any:
@@ -55,22 +58,31 @@ def extremes_table(trials: pd.DataFrame, measure: str, by: Grouping) -> Any:
     return _styled(extremes(breakdown(trials, measure, by), measure), _methods(trials))
 
 
-def findings_table(found: list[Finding]) -> Any:
+def claims_table(claims: list[Claim]) -> Any:
     """Return the paper's claims with their verdicts, in color."""
-    return _styled(shown_findings(found)).map(
+    return _styled(show_claims(claims)).map(
         lambda verdict: f"color: {VERDICT_COLORS[verdict]}; font-weight: 700", subset=["verdict"]
+    )
+
+
+def checks_table(claims: list[Claim]) -> Any:
+    """Return the checks of all claims with their numbers; those that do not hold in color."""
+    return (
+        _styled(show_checks(claims).reset_index())
+        .hide(axis="index")
+        .map(lambda outcome: f"color: {OUTCOME_COLORS[outcome]}", subset=["outcome"])
     )
 
 
 def refinements_table(trials: pd.DataFrame) -> Any:
     """Return how the methods' refinements ended."""
-    return _styled(shown_refinements(refinements(trials)), _methods(trials))
+    return _styled(show_refinements(refinements(trials)), _methods(trials))
 
 
 def sweeps_table(sweeps: pd.DataFrame) -> Any:
     """Return what more sweeps would have bought, with few decimals; infinitely many are the minimum of Eq. 5."""
     shown = {
-        heading(name) if name in MEASURES else spoken(name): [
+        heading(name) if name in MEASURES else format_name(name): [
             "at the minimum" if value == math.inf else _number(name, value) for value in sweeps[name]
         ]
         for name in sweeps.columns

@@ -28,11 +28,13 @@ from tests.dashboards.driving import (
     wait_until_relit,
 )
 from toonkit.study.color_maps import load_color_maps
-from toonkit.study.contestants import contestants
+from toonkit.study.estimators import list_estimators
+from toonkit.study.painting import StudySettings, paint
+from toonkit.study.records import Trial
 from toonkit.study.rendering import render_shape
 from toonkit.study.shapes import SHAPES
 from toonkit.study.table import CSV_NAME, PROVENANCE_NAME, as_table, write_csv
-from toonkit.study.trials import StudySettings, Trial, paint, run_trial
+from toonkit.study.trials import run_trial
 
 ROOT = Path(__file__).parents[2]
 LEAVE_SECONDS = 60
@@ -91,14 +93,14 @@ def study_folder(tmp_path_factory):
     """A study of two shapes and two color maps, small enough to be run here; one trial of it has failed."""
     folder = tmp_path_factory.mktemp("study")
     settings = StudySettings(size=STUDY_SIZE)
-    methods, records = contestants(), []
+    methods, records = list_estimators(), []
     for shape in STUDY_SHAPES:
         truth = render_shape(SHAPES[shape], STUDY_SIZE)
         for name in STUDY_COLOR_MAPS:
             painting = paint(truth, load_color_maps()[name], settings)
-            for method, contestant in methods.items():
+            for method, estimator in methods.items():
                 trial = Trial(shape, name, method, "given")
-                records.append(run_trial(trial, SHAPES[shape].kind, painting, contestant))
+                records.append(run_trial(trial, SHAPES[shape].kind, painting, estimator))
     records[-1] = replace(records[-1], angular_error=np.nan, error="ToonkitError: no shape")
     records += [replace(record, light_track="estimated") for record in records]
     write_csv(as_table(records), folder / CSV_NAME)

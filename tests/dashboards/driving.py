@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image
 from playwright.sync_api import expect
 
-from toonkit.study.contestants import contestants
+from toonkit.study.estimators import list_estimators
 
 START_SECONDS = 180  # the first page of a busy machine also compiles
 PATIENCE_SECONDS = 90  # for what a page answers once it stands
@@ -315,7 +315,7 @@ def shown_pictures(page):
 def wait_until_examined(page):
     """Wait until the study page has opened with a trial examined by all methods; its choices and pictures."""
     page.wait_for_selector(".bk-Figure", timeout=START_SECONDS * 1000)
-    last = page.locator(".sheet img[alt='normal map']").nth(len(contestants()))
+    last = page.locator(".sheet img[alt='normal map']").nth(len(list_estimators()))
     last.wait_for(timeout=START_SECONDS * 1000)
     return page.evaluate(CHOICES), shown_pictures(page)
 

@@ -23,8 +23,9 @@ from tests.fuzz.profiles import fuzz
 from toonkit import ColorMap, IlluminationInterval, RefinementOptions, ToonAnalysis, ToonImage, ToonkitError
 from toonkit.export.archive import load_analysis, save_analysis
 from toonkit.export.color_map import read_color_map, write_color_map
+from toonkit.study.painting import StudySettings
 from toonkit.study.record_store import RecordStore
-from toonkit.study.trials import StudySettings, Trial, unmeasured
+from toonkit.study.records import Trial, blank_record
 
 SHAPE = ellipse(9, 7)
 RAMP = ColorMap([[0.2, 0.1, 0.3], [0.6, 0.4, 0.4], [0.9, 0.8, 0.6]])
@@ -307,7 +308,7 @@ SIDECAR = {"toonkit": "1", "settings": {}, "digests": {}}
 def test_a_damaged_record_is_no_record(data: st.DataObject) -> None:
     with tempfile.TemporaryDirectory() as folder:
         store = RecordStore(Path(folder), SIDECAR)
-        store.save(TRIAL, unmeasured(TRIAL, "mesh", StudySettings()))
+        store.save(TRIAL, blank_record(TRIAL, "mesh", StudySettings()))
         (path,) = (Path(folder) / "records").iterdir()
         stored = json.loads(path.read_text())
         if data.draw(st.booleans()):
@@ -318,5 +319,5 @@ def test_a_damaged_record_is_no_record(data: st.DataObject) -> None:
             path.write_bytes(data.draw(mutated(path.read_bytes())))
         assert store.is_done(TRIAL) == (len(store.records()) == 1)
         store.forget(["todo"])
-        store.save(TRIAL, unmeasured(TRIAL, "mesh", StudySettings()))
+        store.save(TRIAL, blank_record(TRIAL, "mesh", StudySettings()))
         assert store.is_done(TRIAL)

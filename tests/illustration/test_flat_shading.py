@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from toonkit import ColorMap
-from toonkit.illustration.flat_shading import PLAIN, derived_shadow
+from toonkit.illustration.flat_shading import PLAIN, derive_shadow
 from toonkit.model.luminance import srgb_to_linear
 from toonkit.model.oklab import oklab_to_srgb, srgb_to_oklab
 
@@ -21,7 +21,7 @@ def two_tones(lit: tuple[float, float, float], darkness: float, edge: float) -> 
 
 def test_the_shadow_is_the_median_of_those_of_the_shaded_materials_by_area():
     maps = [two_tones((0.9, 0.5, 0.4), share, edge) for share, edge in ((0.85, 0.1), (0.8, 0.3), (0.65, 0.5))]
-    shadow = derived_shadow(maps, np.array([0.2, 0.5, 0.1]))
+    shadow = derive_shadow(maps, np.array([0.2, 0.5, 0.1]))
     assert shadow.darkness == pytest.approx(0.8, abs=0.01)
     assert shadow.edge == pytest.approx(0.3, abs=0.01)
 
@@ -36,7 +36,7 @@ def test_the_shadow_is_the_median_of_those_of_the_shaded_materials_by_area():
     ids=["none shaded", "a detail", "hardly a step"],
 )
 def test_without_examples_the_shadow_is_plain(maps, areas):
-    assert derived_shadow(maps, np.array(areas)) is PLAIN
+    assert derive_shadow(maps, np.array(areas)) is PLAIN
 
 
 def test_a_plain_shadow_on_white_multiplies_light():
@@ -52,5 +52,5 @@ def test_a_derived_map_ends_in_the_lit_tone_and_never_gets_darker(lit):
 
 
 def test_a_shadow_so_deep_that_it_would_swallow_a_drawing_is_held_back():
-    shadow = derived_shadow([two_tones((0.9, 0.5, 0.4), 0.2, 0.9)], np.array([1.0]))
+    shadow = derive_shadow([two_tones((0.9, 0.5, 0.4), 0.2, 0.9)], np.array([1.0]))
     assert (shadow.darkness, shadow.edge) == (0.6, 0.6)

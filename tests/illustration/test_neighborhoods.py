@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from toonkit.illustration.neighborhoods import grown, range_around, shrunk
+from toonkit.illustration.neighborhoods import grow_mask, range_around, shrink_mask
 
 SHAPES = [(1, 1), (9, 40), (700, 500)]
 
@@ -14,8 +14,8 @@ SHAPES = [(1, 1), (9, 40), (700, 500)]
 @pytest.mark.parametrize("share", [0.01, 0.5, 0.99])
 def test_marks_grow_and_shrink_by_squares(shape: tuple[int, int], steps: int, share: float) -> None:
     marked = np.random.default_rng(1).random(shape) < share
-    assert np.array_equal(grown(marked, steps), ndimage.maximum_filter(marked, 2 * steps + 1))
-    assert np.array_equal(shrunk(marked, steps), ndimage.minimum_filter(marked, 2 * steps + 1))
+    assert np.array_equal(grow_mask(marked, steps), ndimage.maximum_filter(marked, 2 * steps + 1))
+    assert np.array_equal(shrink_mask(marked, steps), ndimage.minimum_filter(marked, 2 * steps + 1))
 
 
 @pytest.mark.parametrize("shape", SHAPES)

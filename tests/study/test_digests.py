@@ -12,25 +12,25 @@ from toonkit import METHODS, ColorMap, ToonImage, light_direction
 from toonkit.estimation import shape_prior, weights
 from toonkit.estimation.preparation import prepare
 from toonkit.study.color_maps import load_color_maps
-from toonkit.study.contestants import contestants
 from toonkit.study.digests import (
     NETWORKS_USED,
     color_map_digest,
     file_digest,
-    subject_digest,
+    scene_digest,
     weights_digests,
 )
+from toonkit.study.estimators import list_estimators
 from toonkit.study.registry import View
+from toonkit.study.scenes import MeshShape
 from toonkit.study.shapes import SHAPES
-from toonkit.study.subjects import MeshShape
 
 BALL = trimesh.creation.icosphere(subdivisions=1)
 
 
 def test_shapes_meshes_and_views_are_told_apart():
     seen = [SHAPES["cat"], SHAPES["duck"], MeshShape("a", BALL), MeshShape("a", BALL, View(yaw=5))]
-    assert len({subject_digest(subject) for subject in seen}) == len(seen)
-    assert subject_digest(MeshShape("a", BALL)) == subject_digest(MeshShape("b", BALL.copy()))
+    assert len({scene_digest(scene) for scene in seen}) == len(seen)
+    assert scene_digest(MeshShape("a", BALL)) == scene_digest(MeshShape("b", BALL.copy()))
 
 
 def test_color_maps_are_told_apart_but_for_their_last_bits():
@@ -55,7 +55,7 @@ def test_each_network_has_a_digest_of_its_weights():
     assert len(set(digests.values())) == len(digests)
 
 
-@pytest.mark.parametrize("method", list(contestants()))
+@pytest.mark.parametrize("method", list(list_estimators()))
 def test_a_method_reads_the_weights_that_it_is_said_to_use(method, monkeypatch):
     read = set()
 
@@ -67,7 +67,7 @@ def test_a_method_reads_the_weights_that_it_is_said_to_use(method, monkeypatch):
     y, x = np.mgrid[:48, :48] - 23.5
     mask = x**2 + y**2 < 400
     disc = ToonImage(np.where((x > 0)[..., None], 0.9, 0.2) * np.ones(3), mask)
-    contestants()[method].analyze(prepare(disc), light_direction(135, 45))
+    list_estimators()[method].analyze(prepare(disc), light_direction(135, 45))
     assert read == set(NETWORKS_USED[method])
 
 

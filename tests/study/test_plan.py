@@ -8,28 +8,28 @@ import trimesh
 from toonkit import METHODS, ColorMap, ToonkitError
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.plan import plan_study
-from toonkit.study.subjects import MeshShape
+from toonkit.study.scenes import MeshShape
 
 BALL = MeshShape("ball", trimesh.creation.icosphere(subdivisions=1))
 
 
 def test_the_whole_study_is_every_shape_color_map_and_method():
     plan = plan_study()
-    trials = [trial for cell in plan.cells() for trial in cell]
+    trials = [trial for batch in plan.batches() for trial in batch]
     assert len(trials) == len(set(trials)) == 20 * 24 * (len(METHODS) + 1)
     assert len({trial.key for trial in trials}) == len(trials)
-    assert {len({(trial.shape, trial.color_map) for trial in cell}) for cell in plan.cells()} == {1}
+    assert {len({(trial.shape, trial.color_map) for trial in batch}) for batch in plan.batches()} == {1}
 
 
 def test_meshes_stand_alone_or_beside_named_shapes():
-    assert list(plan_study(meshes=[BALL]).subjects) == ["ball"]
-    assert list(plan_study(meshes=[BALL], shapes=["cat"]).subjects) == ["cat", "ball"]
+    assert list(plan_study(meshes=[BALL]).scenes) == ["ball"]
+    assert list(plan_study(meshes=[BALL], shapes=["cat"]).scenes) == ["cat", "ball"]
 
 
 @pytest.mark.parametrize("shapes", [None, ["torus"]])
 def test_a_mesh_does_not_take_the_name_of_a_shape(shapes):
     plan = plan_study(meshes=[MeshShape("torus", BALL.mesh)], shapes=shapes)
-    assert list(plan.subjects)[-1] == plan.subjects["torus_mesh"].name == "torus_mesh"
+    assert list(plan.scenes)[-1] == plan.scenes["torus_mesh"].name == "torus_mesh"
 
 
 def test_color_maps_may_be_brought_along():
@@ -39,7 +39,7 @@ def test_color_maps_may_be_brought_along():
 
 def test_both_light_tracks_double_the_trials():
     plan = plan_study(shapes=["cat"], color_maps=["terracotta"], light_tracks=["given", "estimated"])
-    assert len(plan.cells()[0]) == 2 * (len(METHODS) + 1)
+    assert len(plan.batches()[0]) == 2 * (len(METHODS) + 1)
 
 
 @pytest.mark.parametrize(

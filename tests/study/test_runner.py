@@ -19,12 +19,12 @@ from distributed import LocalCluster
 import toonkit
 from tests.dashboards.conftest import free_port
 from toonkit import METHODS, ToonkitError
-from toonkit.study import cells, cluster
+from toonkit.study import batches, cluster
+from toonkit.study.painting import StudySettings
 from toonkit.study.plan import StudyPlan, plan_study
 from toonkit.study.record_store import LOST
 from toonkit.study.runner import StudyProgress, run_study
 from toonkit.study.table import TIMING_COLUMNS, load_provenance, load_trials
-from toonkit.study.trials import StudySettings
 
 ROOT = Path(__file__).parents[2]
 SHAPES = ["sphere", "torus"]
@@ -209,10 +209,10 @@ def test_another_version_of_toonkit_measures_its_own_records(tmp_path, monkeypat
 
 
 def test_a_shape_that_cannot_be_rendered_fails_in_all_its_trials(tmp_path, monkeypatch):
-    def render(subject, size):
+    def render(scene, size):
         raise MemoryError("too large")
 
-    monkeypatch.setattr(cells, "render", render)
+    monkeypatch.setattr(batches, "render", render)
     table = run_study(plan(), tmp_path, workers=0)
     assert table["error"].tolist() == ["MemoryError: too large"] * TRIALS
 
@@ -305,8 +305,8 @@ class Deserted:
 def test_cells_that_find_no_worker_are_not_waited_for(monkeypatch):
     monkeypatch.setattr(cluster, "LOOK_SECONDS", 0.01)
     monkeypatch.setattr(cluster, "NO_WORKER_SECONDS", 0.05)
-    cell = cells.Cell.of(plan().cells()[0], plan())
-    assert list(cluster.as_they_come({NeverDone(): cell}, Deserted())) == []
+    batch = batches.Batch.of(plan().batches()[0], plan())
+    assert list(cluster.yield_done({NeverDone(): batch}, Deserted())) == []
 
 
 def test_the_cluster_of_a_study_answers_to_this_machine_only():
@@ -320,9 +320,9 @@ def test_the_cluster_of_a_study_answers_to_this_machine_only():
 
 
 def test_a_batch_for_another_toonkit_is_refused():
-    other = replace(cells.Cell.of(plan().cells()[0], plan()), toonkit="version 0.0")
+    other = replace(batches.Batch.of(plan().batches()[0], plan()), toonkit="version 0.0")
     with pytest.raises(ToonkitError, match=r"workers must have toonkit version 0\.0; got version"):
-        cells.measure(ToonkitError("not looked at"), other)
+        batches.measure(ToonkitError("not looked at"), other)
 
 
 @pytest.fixture

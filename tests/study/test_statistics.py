@@ -17,7 +17,8 @@ from tests.synthetic_study import (
 )
 from toonkit import ToonkitError
 from toonkit.study.measures import MEASURES
-from toonkit.study.reporting.cells import cells, completeness, failures, statement
+from toonkit.study.reporting.claim_tests import Check
+from toonkit.study.reporting.claims import Claim, check_claims
 from toonkit.study.reporting.comparisons import (
     PAIRS,
     compare,
@@ -27,8 +28,7 @@ from toonkit.study.reporting.comparisons import (
     pairs_in,
     signed_rank,
 )
-from toonkit.study.reporting.evidence import Check
-from toonkit.study.reporting.findings import Finding, disagreements, findings
+from toonkit.study.reporting.measure_table import arrange, completeness, failures, statement
 from toonkit.study.reporting.statistics import Interval, breakdown, center, contrast, method_means, resample
 
 
@@ -38,7 +38,7 @@ def trials():
 
 
 def verdicts(table):
-    return {finding.key: finding.verdict for finding in findings(table)}
+    return {claim.key: claim.verdict for claim in check_claims(table)}
 
 
 def altered(table, method, **factors):
@@ -55,12 +55,12 @@ def mean_of(table, method, measure="angular_error"):
     return means[means["method"] == method].iloc[0]
 
 
-# Cells
+# Measure tables
 
 
 def test_cells_come_in_the_order_of_the_study_whatever_the_order_of_the_rows(trials):
     shuffled = trials.sample(frac=1, random_state=0)
-    table = cells(shuffled, "angular_error")
+    table = arrange(shuffled, "angular_error")
     assert table.methods == ("toonkit", "todo", "lumo", "lambert", "flat")
     assert table.color_maps == COLOR_MAPS
     row = shuffled[
@@ -87,7 +87,7 @@ def test_a_table_that_cannot_be_averaged_is_refused(trials, spoil, says):
 
 def test_an_unknown_measure_grouping_or_method_is_refused(trials):
     with pytest.raises(ToonkitError, match="measure must be one of"):
-        cells(trials, "beauty")
+        arrange(trials, "beauty")
     with pytest.raises(ToonkitError, match="by must be one of"):
         breakdown(trials, "angular_error", "mood")
     with pytest.raises(ToonkitError, match="method must be one of"):
@@ -146,7 +146,7 @@ def test_an_infinite_ratio_is_a_hole(trials):
 
 
 def test_the_mean_of_all_resamples_is_the_mean(trials):
-    table = cells(trials, "angular_error")
+    table = arrange(trials, "angular_error")
     draws = resample(table)
     assert (draws.shapes.sum(axis=1) == len(SHAPES)).all()
     assert (draws.color_maps.sum(axis=1) == len(COLOR_MAPS)).all()
@@ -159,7 +159,7 @@ def test_the_interval_covers_a_known_difference_as_often_as_it_says():
     covered = 0
     for _ in range(60):
         # Shapes and color maps of a population in which the one method is worse by 2 on average.
-        table = cells(study_table(noise=0.0), "angular_error")
+        table = arrange(study_table(noise=0.0), "angular_error")
         difference = (
             2 + generator.normal(size=(6, 1)) + generator.normal(size=(1, 6)) + generator.normal(size=(6, 6))
         )
@@ -175,7 +175,7 @@ def cells_of(table, values):
 
 
 def test_trials_that_share_a_shape_make_the_interval_wider_than_independent_ones_would(trials):
-    table = cells(trials, "angular_error")
+    table = arrange(trials, "angular_error")
     generator = np.random.default_rng(2)
     by_shape = np.repeat(generator.normal(size=(6, 1)), 6, axis=1)
     crossed = center(by_shape, resample(table))
@@ -203,7 +203,7 @@ def test_the_center_of_a_ratio_is_a_median_that_one_wild_trial_does_not_move(tri
 
 
 def test_the_median_of_a_resample_is_that_of_its_values(trials):
-    table = cells(trials, "relight_response")
+    table = arrange(trials, "relight_response")
     draws = resample(table)
     one = type(draws)(draws.shapes[:1], draws.color_maps[:1])
     counts = np.outer(one.shapes[0], one.color_maps[0]).astype(int)
@@ -214,7 +214,7 @@ def test_the_median_of_a_resample_is_that_of_its_values(trials):
 
 
 def test_nothing_to_average_gives_no_number(trials):
-    found = center(np.full((6, 6), np.nan), resample(cells(trials, "angular_error")))
+    found = center(np.full((6, 6), np.nan), resample(arrange(trials, "angular_error")))
     assert found.trials == 0
     assert found.shown(MEASURES["angular_error"]) == "not measured"
 
@@ -393,9 +393,9 @@ def test_too_few_shapes_or_color_maps_have_a_center_and_no_interval(trials, kept
 
 @pytest.mark.parametrize("kept", POOR, ids=str)
 def test_too_few_shapes_or_color_maps_decide_nothing(trials, kept):
-    found = findings(few(trials, **kept))
-    assert {check.outcome for finding in found for check in finding.checks} == {"undecided"}
-    assert "too few for an interval" in found[0].evidence
+    found = check_claims(few(trials, **kept))
+    assert {check.outcome for claim in found for check in claim.checks} == {"undecided"}
+    assert "too few for an interval" in found[0].checks[0].numbers
 
 
 def test_five_shapes_and_five_color_maps_are_enough(trials):
@@ -411,11 +411,9 @@ def test_shapes_that_all_failed_do_not_count_as_enough(trials):
 
 
 def test_a_correlation_over_four_hard_color_maps_is_undecided(trials):
-    (finding,) = (
-        finding for finding in findings(trials[trials["color_map"] != "candy"]) if finding.key == "c"
-    )
-    assert [check.outcome for check in finding.checks[2:]][1] == "undecided"
-    assert "needs 5 shapes and 5 color maps" in finding.evidence
+    (claim,) = (claim for claim in check_claims(trials[trials["color_map"] != "candy"]) if claim.key == "c")
+    assert [check.outcome for check in claim.checks[2:]][1] == "undecided"
+    assert "needs 5 shapes and 5 color maps" in claim.checks[3].numbers
 
 
 def test_a_center_without_an_interval_says_so():
@@ -423,7 +421,7 @@ def test_a_center_without_an_interval_says_so():
     assert shown == "−1.3° (too few for an interval)"
 
 
-# Findings
+# Claims
 
 
 def test_numbers_made_as_the_paper_says_agree_with_it(trials):
@@ -444,7 +442,6 @@ def test_a_verdict_turns_when_the_numbers_do(trials, key, method, factors):
     turned = altered(trials, method, **factors)
     assert verdicts(trials)[key] == "agrees"
     assert verdicts(turned)[key] == "disagrees"
-    assert any(f"Claim {key}" in text and "Contradicted" in text for text in disagreements(findings(turned)))
 
 
 def test_a_lambert_that_answers_best_contradicts_the_paper():
@@ -462,16 +459,16 @@ def test_an_excess_of_error_on_soft_maps_is_no_overfitting_to_tones():
     backwards.loc[backwards["method"] == "lambert", "angular_error"] = 50.0 + 5.0 * backwards.loc[
         backwards["method"] == "lambert", "color_map"
     ].map(dict(zip(COLOR_MAPS, range(6), strict=True)))
-    (finding,) = (finding for finding in findings(backwards) if finding.key == "c")
-    assert finding.verdict == "partly"
-    assert [check.outcome for check in finding.checks[2:]] == ["does not hold"] * 2
+    (claim,) = (claim for claim in check_claims(backwards) if claim.key == "c")
+    assert claim.verdict == "partly"
+    assert [check.outcome for check in claim.checks[2:]] == ["does not hold"] * 2
 
 
 def test_half_of_a_claim_is_agreed_to_partly(trials):
-    (finding,) = (
-        finding for finding in findings(altered(trials, "todo", relight_rmse=1.4)) if finding.key == "f"
+    (claim,) = (
+        claim for claim in check_claims(altered(trials, "todo", relight_rmse=1.4)) if claim.key == "f"
     )
-    assert finding.verdict == "partly"  # now between lumo and lambert
+    assert claim.verdict == "partly"  # now between lumo and lambert
 
 
 def test_a_claim_about_a_method_that_was_not_run_is_undecided(trials):
@@ -492,11 +489,11 @@ def test_a_claim_about_a_method_that_was_not_run_is_undecided(trials):
 )
 def test_the_verdict_follows_from_the_checks(outcomes, verdict):
     checks = tuple(Check("so", "1 of 1", outcome) for outcome in outcomes)
-    assert Finding("x", "4.2", "It is so.", "Whether it is.", checks).verdict == verdict
+    assert Claim("x", "4.2", "It is so.", checks).verdict == verdict
 
 
-def test_evidence_carries_the_numbers_of_the_table(trials):
-    (finding,) = (finding for finding in findings(trials) if finding.key == "f")
+def test_checks_carry_the_numbers_of_the_table(trials):
+    (claim,) = (claim for claim in check_claims(trials) if claim.key == "f")
     shown = MEASURES["relight_rmse"].shown(mean_of(trials, "todo", "relight_rmse")["center"])
-    assert f"todo {shown}" in finding.evidence
-    assert "36 trials" in finding.evidence
+    assert f"todo {shown}" in claim.checks[0].numbers
+    assert "36 trials" in claim.checks[0].numbers

@@ -9,11 +9,13 @@ import pytest
 
 from toonkit import ToonkitError
 from toonkit.export.sole_use import LOCK_NAME
+from toonkit.study.painting import StudySettings
 from toonkit.study.plan import plan_study
 from toonkit.study.provenance import provenance
 from toonkit.study.record_store import LOST, RecordStore
+from toonkit.study.records import Record, Trial, blank_record
 from toonkit.study.runner import run_study
-from toonkit.study.study_folder import opened_sidecar
+from toonkit.study.study_folder import open_sidecar
 from toonkit.study.table import (
     COLUMN_TYPES,
     CSV_NAME,
@@ -25,7 +27,6 @@ from toonkit.study.table import (
     write_csv,
     write_table,
 )
-from toonkit.study.trials import Record, StudySettings, Trial, unmeasured
 
 TRIALS = [Trial(shape, "plum", method, "given") for shape in ("b", "a") for method in ("todo", "mine")]
 DIGESTS = {
@@ -43,7 +44,7 @@ def sidecar(**changes):
 def records() -> list[Record]:
     settings = StudySettings(size=32)
     errors = ["", 'ValueError: a "quote", a comma\nand a line', "", ""]
-    return [unmeasured(trial, "mesh", settings, error=e) for trial, e in zip(TRIALS, errors, strict=True)]
+    return [blank_record(trial, "mesh", settings, error=e) for trial, e in zip(TRIALS, errors, strict=True)]
 
 
 def test_rows_are_sorted_and_typed_whatever_the_order_of_records():
@@ -121,7 +122,7 @@ def test_other_weights_change_the_trials_that_use_them(network, depending, tmp_p
     ]
     store = RecordStore(tmp_path, sidecar())
     for trial in trials:
-        store.save(trial, unmeasured(trial, "mesh", StudySettings(size=32)))
+        store.save(trial, blank_record(trial, "mesh", StudySettings(size=32)))
     assert all(store.is_done(trial) for trial in trials)
     weights = {**DIGESTS["weights"], network: "another"}
     changed = RecordStore(tmp_path, sidecar(digests={**DIGESTS, "weights": weights}))
@@ -140,8 +141,8 @@ def test_only_the_records_of_the_methods_named_are_forgotten(tmp_path):
 
 def test_a_trial_whose_worker_was_lost_is_tried_again(tmp_path):
     store = RecordStore(tmp_path, sidecar())
-    store.save(TRIALS[0], unmeasured(TRIALS[0], "mesh", StudySettings(), error=f"{LOST}KilledWorker: gone"))
-    store.save(TRIALS[1], unmeasured(TRIALS[1], "mesh", StudySettings(), error="ValueError: no"))
+    store.save(TRIALS[0], blank_record(TRIALS[0], "mesh", StudySettings(), error=f"{LOST}KilledWorker: gone"))
+    store.save(TRIALS[1], blank_record(TRIALS[1], "mesh", StudySettings(), error="ValueError: no"))
     assert [store.is_done(trial) for trial in TRIALS[:2]] == [False, True]
     assert [store.is_done(trial, retry_failed=True) for trial in TRIALS[:2]] == [False, False]
 
@@ -184,7 +185,7 @@ PLAN = plan_study(
 
 
 def test_a_provenance_reads_back_as_it_was_written(tmp_path):
-    written = opened_sidecar(provenance(PLAN), tmp_path)
+    written = open_sidecar(provenance(PLAN), tmp_path)
     assert load_provenance(tmp_path) == json.loads(json.dumps(written))
 
 
@@ -202,7 +203,7 @@ def test_a_provenance_reads_back_as_it_was_written(tmp_path):
     ids=str,
 )
 def test_an_odd_provenance_is_refused(changes, tmp_path):
-    written = {**opened_sidecar(provenance(PLAN), tmp_path), **changes}
+    written = {**open_sidecar(provenance(PLAN), tmp_path), **changes}
     (tmp_path / PROVENANCE_NAME).write_text(json.dumps(written))
     with pytest.raises(ToonkitError, match=r"source must have .*study\.json"):
         load_provenance(tmp_path)

@@ -9,10 +9,12 @@ import toonkit
 from toonkit import Materials, NormalField, ToonAnalysis, ToonImage
 from toonkit.numerics.report import SolverReport
 from toonkit.study.color_maps import load_color_maps
-from toonkit.study.contestants import FLAT, Contestant, contestants
+from toonkit.study.estimators import FLAT, Estimator, list_estimators
+from toonkit.study.painting import Painting, StudySettings, paint
+from toonkit.study.records import Trial
 from toonkit.study.rendering import render_shape
 from toonkit.study.shapes import SHAPES
-from toonkit.study.trials import Painting, StudySettings, Trial, paint, run_trial
+from toonkit.study.trials import run_trial
 
 SETTINGS = StudySettings(size=48)
 GIVEN = Trial("pear", "terracotta", "test", "given")
@@ -24,17 +26,17 @@ def painting() -> Painting:
     return paint(render_shape(SHAPES["pear"], SETTINGS.size), load_color_maps()["terracotta"], SETTINGS)
 
 
-def answering(painting: Painting, normals: NormalField | None = None) -> Contestant:
+def answering(painting: Painting, normals: NormalField | None = None) -> Estimator:
     """A method that knows the answer, except for the normals it is told to give."""
 
     def analyze(image, light, *, progress=None):
-        told = painting.truth.normals if normals is None else normals
+        given = painting.truth.normals if normals is None else normals
         report = SolverReport(3, np.zeros(0), "it knew", converged=True)
         return ToonAnalysis(
-            image, "test", light, told, told, Materials.single(image.mask, painting.color_map), report
+            image, "test", light, given, given, Materials.single(image.mask, painting.color_map), report
         )
 
-    return Contestant(analyze)
+    return Estimator(analyze)
 
 
 def test_the_truth_has_no_error_and_the_right_response(painting):
@@ -68,7 +70,7 @@ def test_a_turn_of_all_normals_is_the_angular_error(painting):
 
 
 def test_relit_pictures_are_measured_as_the_public_functions_do(painting):
-    record = run_trial(GIVEN, "complex", painting, contestants()["lumo"])
+    record = run_trial(GIVEN, "complex", painting, list_estimators()["lumo"])
     analysis = toonkit.analyze(painting.image, painting.light, method="lumo")
     relit = [
         toonkit.relight(analysis, toonkit.light_direction(*angles), keep_detail=False)
@@ -97,7 +99,7 @@ def test_the_light_is_the_true_one_or_the_estimate(painting):
 def test_under_one_light_the_response_is_the_public_one():
     settings = StudySettings(size=48, new_lights=((30, 40),))
     one = paint(render_shape(SHAPES["pear"], 48), load_color_maps()["terracotta"], settings)
-    record = run_trial(GIVEN, "complex", one, contestants()["lumo"])
+    record = run_trial(GIVEN, "complex", one, list_estimators()["lumo"])
     analysis = toonkit.analyze(one.image, one.light, method="lumo")
     relit = toonkit.relight(analysis, toonkit.light_direction(30, 40), keep_detail=False)
     response = toonkit.relight_response(analysis.picture, relit, one.image, one.relit[0])
@@ -116,7 +118,7 @@ def vandal(image: ToonImage, light, *, progress=None) -> ToonAnalysis:
 
 def test_a_method_that_changes_its_input_changes_nothing_else(painting):
     before = painting.image.color.copy()
-    assert run_trial(GIVEN, "complex", painting, Contestant(vandal)).error == ""
+    assert run_trial(GIVEN, "complex", painting, Estimator(vandal)).error == ""
     assert np.array_equal(painting.image.color, before, equal_nan=True)
 
 
@@ -134,7 +136,7 @@ def elsewhere(image: ToonImage, light, *, progress=None) -> ToonAnalysis:
 
 @pytest.mark.parametrize(("method", "says"), [(broken, "RuntimeError: no idea"), (elsewhere, "ToonkitError")])
 def test_a_failure_is_a_record_with_its_error(painting, method, says):
-    record = run_trial(GIVEN, "complex", painting, Contestant(method))
+    record = run_trial(GIVEN, "complex", painting, Estimator(method))
     assert record.error.startswith(says)
     assert np.isnan(record.angular_error)
     assert np.isnan(record.relight_rmse)

@@ -199,7 +199,7 @@ def test_bad_arguments_are_refused_in_one_line(
     assert run("shape", tmp_path / "new", **options) == 2
     said = capsys.readouterr().err.splitlines()
     assert len(said) == 1
-    assert said[0].startswith("toonkit.training: ")
+    assert said[0].startswith("training: ")
     assert words in said[0]
     assert not (tmp_path / "new").exists()
 
@@ -277,7 +277,7 @@ def test_what_another_task_learned_is_no_start(
     run("light", output)
     capsys.readouterr()
     assert run("shape", output, start=output / f"light_prior.{ending}") == 2
-    assert capsys.readouterr().err.splitlines()[-1] == f"toonkit.training: {words}"
+    assert capsys.readouterr().err.splitlines()[-1] == f"training: {words}"
 
 
 def test_weights_without_their_record_are_no_start(output: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -298,7 +298,7 @@ def test_a_checkpoint_of_other_options_is_not_taken_for_ones_own(
     made = (output / "light_prior.json").read_text(encoding="utf-8")
     capsys.readouterr()
     assert run("light", output, **changed) == 2
-    assert capsys.readouterr().err.splitlines()[-1].startswith("toonkit.training: ")
+    assert capsys.readouterr().err.splitlines()[-1].startswith("training: ")
     assert (output / "light_prior.json").read_text(encoding="utf-8") == made
 
 

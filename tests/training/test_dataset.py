@@ -16,8 +16,8 @@ from toonkit.estimation import light_prior
 from toonkit.estimation.turn import TURNS
 from toonkit.estimation.working_square import FILL, SIZE
 from toonkit.training import dataset
-from toonkit.training.dataset import CUT_OFF, Dataset, cut_off, make_dataset
-from toonkit.training.drawings import DOUBTS, ELEVATIONS, Drawing, Drawings, tilted
+from toonkit.training.dataset import CUT_OFF, Dataset, draw_cut_off, make_dataset
+from toonkit.training.drawings import DOUBTS, ELEVATIONS, Drawing, Drawings, tilt_light
 from toonkit.training.families import random_solid
 from toonkit.training.rendering import Rendered, render_solid
 
@@ -130,7 +130,7 @@ def test_a_solid_that_cannot_be_seen_or_inflated_is_replaced_by_the_next(
 
 def cut_off_shapes(count: int) -> list[Rendered]:
     rng = np.random.default_rng(8)
-    drawn = (cut_off(rng) for _ in repeat(None))
+    drawn = (draw_cut_off(rng) for _ in repeat(None))
     return list(islice((shape for shape in drawn if shape is not None), count))
 
 
@@ -255,13 +255,13 @@ def test_half_of_the_doubtful_lights_are_not_the_ones_that_painted() -> None:
 
 def test_a_light_is_tilted_by_its_doubt_about_each_of_two_axes_and_stays_in_front() -> None:
     light, rng = light_direction(20, 60), np.random.default_rng(3)
-    assert np.array_equal(tilted(light, 0.0, rng), light)
-    lights = np.array([tilted(light, np.deg2rad(4), rng) for _ in range(4000)])
+    assert np.array_equal(tilt_light(light, 0.0, rng), light)
+    lights = np.array([tilt_light(light, np.deg2rad(4), rng) for _ in range(4000)])
     assert np.linalg.norm(lights, axis=1) == pytest.approx(1)
     side = np.cross(light, [0, 0, 1]) / np.linalg.norm(np.cross(light, [0, 0, 1]))
     for axis in (side, np.cross(light, side)):
         assert np.rad2deg((lights @ axis).std()) == pytest.approx(4, rel=0.05)
-    low = np.array([tilted(light_direction(0, 3), np.deg2rad(20), rng) for _ in range(200)])
+    low = np.array([tilt_light(light_direction(0, 3), np.deg2rad(20), rng) for _ in range(200)])
     assert (low[:, 2] > 0).all()
 
 

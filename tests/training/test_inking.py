@@ -9,7 +9,7 @@ from scipy.ndimage import distance_transform_edt
 from tests.analytic import ellipse
 from toonkit.estimation.working_square import SIZE
 from toonkit.training import inking
-from toonkit.training.inking import random_ink, uninked
+from toonkit.training.inking import random_ink, remove_ink
 
 SHAPE = ellipse(SIZE / 2 - 6, 36)
 """An ellipsoid in the middle of a picture somewhat smaller than the square."""
@@ -91,4 +91,4 @@ def test_the_same_seed_draws_the_same_ink_and_others_do_not() -> None:
 
 def test_without_ink_all_paint_shows() -> None:
     tones = np.random.default_rng(0).random(SHAPE.mask.shape).astype(np.float32)
-    assert uninked(tones, NONE, SHAPE.mask) is tones
+    assert remove_ink(tones, NONE, SHAPE.mask) is tones

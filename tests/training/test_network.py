@@ -9,7 +9,7 @@ from torch import nn
 
 from toonkit.estimation import convolution, light_prior, shape_prior
 from toonkit.estimation.convolution import Array, Weights
-from toonkit.training.network import LightNetwork, ShapeNetwork, exported, fast_arithmetic
+from toonkit.training.network import LightNetwork, ShapeNetwork, export_weights, fast_arithmetic
 
 SIDE = 32  # any multiple of 16 will do
 
@@ -64,7 +64,7 @@ ROUNDING = (
 )
 def test_exported_arrays_answer_as_the_network_does(network, channels, run) -> None:
     trained, seen = as_if_trained(network()), random_features(channels)
-    weights = Watched(exported(trained))
+    weights = Watched(export_weights(trained))
     expected, answer = answer_of(trained, seen), run(weights, seen)
     assert answer.shape == expected.shape
     assert expected.std() > 0.05
@@ -74,7 +74,7 @@ def test_exported_arrays_answer_as_the_network_does(network, channels, run) -> N
 
 @pytest.mark.parametrize("network", [ShapeNetwork, LightNetwork])
 def test_exported_arrays_are_float32_and_hold_no_normalization(network: type[nn.Module]) -> None:
-    weights = exported(as_if_trained(network()))
+    weights = export_weights(as_if_trained(network()))
     assert {values.dtype for values in weights.values()} == {np.dtype(np.float32)}
     assert {name.rpartition(".")[2] for name in weights} == {"weight", "bias"}
     assert not any("norm" in name or "encoder" in name for name in weights)
@@ -83,9 +83,9 @@ def test_exported_arrays_are_float32_and_hold_no_normalization(network: type[nn.
 @pytest.mark.parametrize("network", [ShapeNetwork, LightNetwork])
 def test_what_is_exported_does_not_change_with_the_network_afterwards(network: type[nn.Module]) -> None:
     trained = as_if_trained(network())
-    weights = exported(trained)
+    weights = export_weights(trained)
     before = {name: values.copy() for name, values in weights.items()}
-    changed = exported(as_if_trained(trained, seed=7))
+    changed = export_weights(as_if_trained(trained, seed=7))
     assert all((changed[name] != before[name]).any() for name in before)
     assert all(np.array_equal(weights[name], before[name]) for name in before)
 

@@ -15,7 +15,7 @@ import pytest
 from scipy import ndimage
 
 from toonkit import training
-from toonkit.training.families import FAMILIES, Family, random_solid, sheet, turned_on_a_lathe
+from toonkit.training.families import FAMILIES, Family, draw_lathe_body, draw_sheet, random_solid
 from toonkit.training.rendering import MARGIN, SUBPIXELS, Rendered, render_solid
 from toonkit.training.solids import BOX, CAPSULE, CONE, ELLIPSOID, REACH, TORUS, Solid
 
@@ -254,7 +254,7 @@ def test_steep_waves_leave_no_holes() -> None:
 def test_the_outline_of_a_sheet_is_an_edge_and_no_rim() -> None:
     rims = []
     for seed in range(20):
-        picture = render_solid(sheet(np.random.default_rng(seed)), 64)
+        picture = render_solid(draw_sheet(np.random.default_rng(seed)), 64)
         assert picture is not None
         rim = picture.mask & ~ndimage.binary_erosion(picture.mask)
         rims.append(np.median(picture.normals[rim][:, 2]))
@@ -374,7 +374,7 @@ def test_a_body_of_revolution_looks_the_same_from_all_around(seed: int) -> None:
     """Those without a handle or features: all parts stand unturned on one axis."""
     rng = np.random.default_rng(seed)
     while True:
-        shape = turned_on_a_lathe(rng)
+        shape = draw_lathe_body(rng)
         if not shape.centers[:, [0, 2]].any() and len({turn.tobytes() for turn in shape.turns}) == 1:
             break
     pictures = [rendered(replace(shape, view=about(1, angle)), 48) for angle in (0.0, 1.0)]

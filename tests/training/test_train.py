@@ -18,7 +18,7 @@ from toonkit.estimation.working_square import SIZE
 from toonkit.training import light_task, shape_task, train
 from toonkit.training.drawings import INKED, OUTLINED, Drawing, Drawings
 from toonkit.training.light_task import LightTask
-from toonkit.training.network import exported
+from toonkit.training.network import export_weights
 from toonkit.training.shape_task import ColoredShapeTask, ShapeTask, chord
 from toonkit.training.train import Training, TrainingOptions
 
@@ -182,12 +182,12 @@ def test_a_training_starts_from_the_average_of_another(tmp_path: Path) -> None:
 def test_a_training_starts_from_weights_that_ship_and_answers_alike(task) -> None:
     """Its normalizations count what they see, and change nothing of it."""
     first = advanced(Training(task(), options()), 2)
-    shipped = exported(first.average)
+    shipped = export_weights(first.average)
     second = Training(task(), options(seed=8))
     second.start_from_weights(shipped, [first.record], drawings())
     assert second.earlier == [first.record]
     for network in (second.network.eval(), second.average):
-        again = exported(network)
+        again = export_weights(network)
         assert all(np.abs(again[name] - values).max() < 1e-4 for name, values in shipped.items())
     norm = second.network.encoder.stem.norm
     assert (norm.running_var > 0).all()
@@ -201,27 +201,27 @@ def test_nothing_can_be_kept_of_no_start() -> None:
 
 
 def test_a_network_that_answers_as_what_ships_is_the_mean_of_both() -> None:
-    shipped = exported(advanced(Training(LightTask(), options()), 1).average)
+    shipped = export_weights(advanced(Training(LightTask(), options()), 1).average)
     training = Training(LightTask(), options(seed=8, keep=0.25))
     training.start_from_weights(shipped, [], drawings())
     advanced(training, 2)
-    mixed, last = exported(training.shipped_network()), exported(training.average)
+    mixed, last = export_weights(training.shipped_network()), export_weights(training.average)
     for name, values in shipped.items():
         assert np.allclose(mixed[name], 0.25 * values + 0.75 * last[name], atol=1e-5)
 
 
 def test_feature_maps_that_weights_do_not_know_count_for_nothing() -> None:
-    shipped = exported(advanced(Training(LightTask(), options()), 1).average)
+    shipped = export_weights(advanced(Training(LightTask(), options()), 1).average)
     shipped["stem.weight"] = shipped["stem.weight"][:, :-4]  # the last map, in its four parts
     training = Training(LightTask(), options(seed=8))
     training.start_from_weights(shipped, [], drawings())
-    again = exported(training.average)["stem.weight"]
+    again = export_weights(training.average)["stem.weight"]
     assert np.abs(again[:, :-4] - shipped["stem.weight"]).max() < 1e-4
     assert not again[:, -4:].any()
 
 
 def test_weights_that_ask_for_more_feature_maps_are_those_of_another_network() -> None:
-    shipped = exported(Training(LightTask(), options()).network)
+    shipped = export_weights(Training(LightTask(), options()).network)
     shipped["stem.weight"] = np.concatenate([shipped["stem.weight"], shipped["stem.weight"][:, :4]], axis=1)
     with pytest.raises(ToonkitError, match="start must be weights of the light_prior"):
         Training(LightTask(), options()).start_from_weights(shipped, [], drawings())

@@ -10,14 +10,14 @@ import toonkit
 from notebooks.plots.drawing_parts import color_maps, ink_layer, panels, region_colors
 from toonkit import ToonAnalysis, ToonkitError
 from toonkit.samples import sample_light
-from toonkit.study.inked_samples import draw_subject
-from toonkit.study.inked_subjects import TOADSTOOL
+from toonkit.study.inked_samples import draw_sample_scene
+from toonkit.study.sample_scenes import TOADSTOOL
 
 
 @pytest.fixture(scope="module")
 def analysis() -> ToonAnalysis:
     light = toonkit.light_direction(*sample_light("mushroom"))
-    return toonkit.analyze(draw_subject(TOADSTOOL, light, size=96).image, light)
+    return toonkit.analyze(draw_sample_scene(TOADSTOOL, light, size=96).image, light)
 
 
 def test_ink_is_dark_and_paint_is_light(analysis):

@@ -15,17 +15,19 @@ from matplotlib.text import Text
 from skimage.color import deltaE_ciede2000, rgb2lab
 
 from notebooks.plots.study_tables import (
+    checks_table,
+    claims_table,
     comparisons_table,
     extremes_table,
-    findings_table,
     means_table,
     refinements_table,
     sweeps_table,
 )
+from notebooks.plots.sweeps import describe_sweeps, draw_sweeps
 from tests.synthetic_study import COLOR_MAPS, SHAPES, failed, study_table, with_newcomers
 from tests.viz.test_figures import COLOR_VISION
 from toonkit.model.luminance import linear_to_srgb, srgb_to_linear
-from toonkit.study.reporting.findings import findings
+from toonkit.study.reporting.claims import check_claims
 from toonkit.study.reporting.statistics import breakdown
 from toonkit.viz.figures import style
 from toonkit.viz.figures.study import CAPTIONS, FIGURES, write_figures
@@ -34,7 +36,6 @@ from toonkit.viz.figures.study_methods import (
     error_distributions,
     fit_against_response,
     paired_differences,
-    sweeps_figure,
 )
 from toonkit.viz.figures.study_style import SPARE_COLORS, method_colors
 from toonkit.viz.figures.style import INK, METHOD_COLORS
@@ -61,7 +62,7 @@ def trials():
 @pytest.fixture(scope="module")
 def drawn(trials):
     figures = {name: draw(trials) for name, draw in FIGURES.items()}
-    figures["sweeps"] = sweeps_figure(SWEEPS)
+    figures["sweeps"] = draw_sweeps(SWEEPS)
     for figure in figures.values():
         FigureCanvasAgg(figure).draw()
     return figures
@@ -104,7 +105,7 @@ def test_no_text_leaves_the_page(drawn, name):
 @pytest.mark.parametrize("name", ALL)
 def test_no_text_leaves_the_page_in_a_wide_font(trials, name, monkeypatch):
     monkeypatch.setattr(style, "FONT", FONTS[1])
-    figure = sweeps_figure(SWEEPS) if name == "sweeps" else FIGURES[name](trials)
+    figure = draw_sweeps(SWEEPS) if name == "sweeps" else FIGURES[name](trials)
     FigureCanvasAgg(figure).draw()
     assert texts_off_the_page(figure) == []
 
@@ -338,12 +339,13 @@ def test_the_minimum_is_a_level_below_the_sweeps_and_a_row_after_them(drawn):
 
 
 def test_tables_show_few_decimals(trials):
-    found = findings(trials)
+    claims = check_claims(trials)
     tables = (
         means_table(trials),
         comparisons_table(trials),
         extremes_table(trials, "angular_error", "shape"),
-        findings_table(found),
+        claims_table(claims),
+        checks_table(claims),
         refinements_table(trials),
         sweeps_table(SWEEPS),
     )
@@ -351,3 +353,18 @@ def test_tables_show_few_decimals(trials):
         shown = re.sub("<style.*?</style>", "", table.to_html(), flags=re.DOTALL)
         assert "<td" in shown
         assert re.findall(r"\d\.\d{5,}", shown) == []
+
+
+@pytest.mark.parametrize(
+    ("least", "said"),
+    [
+        (11.0, "a lower energy means better normals"),
+        (13.0, "stopping early helps"),
+        (18.0, "because it stops early"),
+    ],
+)
+def test_the_minimum_is_weighed_against_the_sweeps(least, said):
+    table = pd.DataFrame({"sweeps": [0, 500, 5000, np.inf], "angular_error": [15.0, 12.0, 12.5, least]})
+    assert "smallest after 500 sweeps, at 12.0°" in describe_sweeps(table)
+    assert f"{least:.1f}° at the minimum" in describe_sweeps(table)
+    assert said in describe_sweeps(table)

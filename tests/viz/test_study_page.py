@@ -13,13 +13,15 @@ import pytest
 from tests.synthetic_study import failed, study_table
 from toonkit import ToonkitError
 from toonkit.study.color_maps import load_color_maps
-from toonkit.study.contestants import FLAT, contestants
+from toonkit.study.estimators import FLAT, list_estimators
+from toonkit.study.painting import StudySettings, paint
+from toonkit.study.records import Record, Trial
 from toonkit.study.rendering import render_shape
 from toonkit.study.reporting.comparisons import compare
 from toonkit.study.reporting.statistics import breakdown, method_means
 from toonkit.study.shapes import SHAPES
 from toonkit.study.table import as_table
-from toonkit.study.trials import Record, StudySettings, Trial, paint, run_trial
+from toonkit.study.trials import run_trial
 from toonkit.viz.study_page import examination as study_examination
 from toonkit.viz.study_page import state as study_state
 from toonkit.viz.study_page.elements import MatrixLayout, difference_colors, heat_map
@@ -204,7 +206,7 @@ def test_an_examination_gives_the_numbers_of_the_study_at_the_same_size():
     painting = paint(truth, load_color_maps()["ocean"], SETTINGS)
     rows = [
         run_trial(Trial("cone", "ocean", name, "given"), "primitive", painting, method)
-        for name, method in contestants().items()
+        for name, method in list_estimators().items()
     ]
     state = StudyState(as_table(rows), SETTINGS)
     run(state.examine())
@@ -275,7 +277,9 @@ def test_a_method_that_fails_is_an_answer_that_says_so(monkeypatch):
     def fail(*_, **__):
         raise ToonkitError("no <shape>")
 
-    monkeypatch.setattr(study_examination, "contestants", lambda: {"flat": FLAT, "todo": type(FLAT)(fail)})
+    monkeypatch.setattr(
+        study_examination, "list_estimators", lambda: {"flat": FLAT, "todo": type(FLAT)(fail)}
+    )
     found = examine(
         "sphere", "ocean", methods=["flat", "todo", "mine"], light_track="given", settings=SETTINGS
     )

@@ -110,9 +110,9 @@ def _analyze_all(left: Sequence[BatchItem], total: int, arguments: argparse.Name
         analyzed_here,
         analyzed_in_processes,
     )
-    from toonkit.numerics.bands import cores  # noqa: PLC0415
+    from toonkit.numerics.parallel import count_cores  # noqa: PLC0415
 
-    workers = cores() if arguments.workers is None else arguments.workers
+    workers = count_cores() if arguments.workers is None else arguments.workers
     if arguments.scheduler is not None and left:
         _refuse_without_dask()
         # A lost scheduler is told in one line: dask's own stack traces say no more.

@@ -112,7 +112,7 @@ def _end_with(sentinel: int) -> None:
 
 def analyzed_by_cluster(items: Sequence[BatchItem], scheduler: str) -> Outcomes:
     """Have drawings analyzed by the workers of a dask scheduler, which need not see the files: they are sent."""
-    from toonkit.study.cluster import as_they_come, cluster_client  # noqa: PLC0415
+    from toonkit.study.cluster import cluster_client, yield_done  # noqa: PLC0415
     from toonkit.study.provenance import installed_toonkit  # noqa: PLC0415
 
     expected = installed_toonkit()
@@ -135,7 +135,7 @@ def analyzed_by_cluster(items: Sequence[BatchItem], scheduler: str) -> Outcomes:
             return unread
 
         yield from hand_over()
-        for future in as_they_come(running, client):
+        for future in yield_done(running, client):
             item = running.pop(future)
             if future.status == "finished":
                 yield _written(item, *future.result())

@@ -184,7 +184,7 @@ def analyze_drawing(
     from toonkit.export.folder import INPUTS, make_folder, write_analysis_folder  # noqa: PLC0415
     from toonkit.export.label_picture import read_labels  # noqa: PLC0415
     from toonkit.metrics import color_rmse  # noqa: PLC0415
-    from toonkit.numerics.bands import single_threaded_blas  # noqa: PLC0415
+    from toonkit.numerics.parallel import single_threaded_blas  # noqa: PLC0415
 
     step = progress or (lambda _step, _fraction: None)
     given = None if work.light == ESTIMATED else parse_light(work.light)

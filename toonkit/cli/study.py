@@ -174,9 +174,9 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _plan(arguments: argparse.Namespace, method_files: dict[str, str]) -> StudyPlan:
+    from toonkit.study.painting import StudySettings  # noqa: PLC0415
     from toonkit.study.plan import plan_study  # noqa: PLC0415
-    from toonkit.study.subjects import load_mesh  # noqa: PLC0415
-    from toonkit.study.trials import StudySettings  # noqa: PLC0415
+    from toonkit.study.scenes import load_mesh  # noqa: PLC0415
 
     settings = StudySettings()
     if arguments.size is not None:
@@ -213,7 +213,7 @@ def _parse_view(text: str | None) -> View | None:
 def _report(arguments: argparse.Namespace) -> int:
     refuse_without_extra()
     from toonkit.export.folder import make_folder  # noqa: PLC0415
-    from toonkit.study.reporting.cells import on_track, tracks  # noqa: PLC0415
+    from toonkit.study.reporting.measure_table import on_track, tracks  # noqa: PLC0415
     from toonkit.study.reporting.report import REPORT_NAME, write_report  # noqa: PLC0415
     from toonkit.study.table import load_provenance, load_trials  # noqa: PLC0415
     from toonkit.viz.figures.study import write_figures  # noqa: PLC0415
@@ -235,7 +235,7 @@ def _report(arguments: argparse.Namespace) -> int:
 
 def _list(_: argparse.Namespace) -> int:
     from toonkit.study.color_maps import load_ramps  # noqa: PLC0415
-    from toonkit.study.contestants import contestants  # noqa: PLC0415
+    from toonkit.study.estimators import list_estimators  # noqa: PLC0415
     from toonkit.study.shapes import SHAPES  # noqa: PLC0415
 
     print("shapes")
@@ -245,7 +245,7 @@ def _list(_: argparse.Namespace) -> int:
     for ramp in load_ramps().values():
         print(f"  {ramp.name:<18}{len(ramp.tones)} tones  {', '.join(ramp.tags)}")
     print("methods")
-    for name in contestants():
+    for name in list_estimators():
         print(f"  {name}")
     return 0
 

@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike
 from toonkit._validation import FloatArray, as_array, of_type, refuse, same_shape
 from toonkit.estimation.painted_tones import PaintedTones
 from toonkit.estimation.preparation import PreparedDrawing, prepare
-from toonkit.illustration.flat_shading import derived_shadow
+from toonkit.illustration.flat_shading import derive_shadow
 from toonkit.model.color_map import HALF_STEP, ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.luminance import linear_to_srgb
 from toonkit.model.materials import Materials
-from toonkit.numerics.bands import run_in_pieces
+from toonkit.numerics.parallel import run_on_chunks
 
 SAMPLES = 1024
 """Samples of a fitted map. A hard step between two bands is blurred over at most 1/500 of illumination."""
@@ -139,7 +139,7 @@ def fit_materials(drawing: PreparedDrawing, illumination: FloatArray) -> tuple[C
         for material in materials
     ]
     shaded = [color_map for color_map in fitted if color_map is not None]
-    shadow = derived_shadow(shaded, drawing.materials.shares[~drawing.materials.flat])
+    shadow = derive_shadow(shaded, drawing.materials.shares[~drawing.materials.flat])
     return tuple(
         shadow.color_map(base) if color_map is None else color_map
         for color_map, base in zip(fitted, drawing.materials.base_tones, strict=True)
@@ -214,7 +214,7 @@ def allowed_interval(tones: PaintedTones, color_map: ColorMap) -> IlluminationIn
     tolerance, lower, upper = _tolerance(tones), tones.darkest, tones.brightest
     lower -= tolerance
     upper += tolerance
-    run_in_pieces(_allow, len(lower), color_map, lower, upper)
+    run_on_chunks(_allow, len(lower), color_map, lower, upper)
     return IlluminationInterval(lower, upper)
 
 

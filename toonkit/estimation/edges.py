@@ -7,12 +7,12 @@ import numpy as np
 from toonkit._validation import FloatArray
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.numerics.compiled import njit
-from toonkit.numerics.masked_grid import Links, MaskedGrid
+from toonkit.numerics.masked_grid import EdgeWeights, MaskedGrid
 
 
 def edge_links(
     grid: MaskedGrid, normals: FloatArray, painted: IlluminationInterval, *, turn: float, jump: float
-) -> Links:
+) -> EdgeWeights:
     """
     Return the weights of the links between neighbors: one on a smooth surface, nearly zero across an edge.
 
@@ -42,11 +42,11 @@ def edge_links(
     The ranges of two bands that follow each other in the color map touch. If two colors meet in the picture although
     others lie between them in the color map, they are not bands of one smooth surface. There is a contour, where one
     part of the object ends in front of another, or a crease. The two sides of a drawn line count as neighbors, because
-    the paint beneath a line continues the paint beside it. Links also weaken where soft shading is so steep that
+    the paint beneath a line continues the paint beside it. EdgeWeights also weaken where soft shading is so steep that
     neighbors skip a part of it, as near a rim.
     """
     links = np.empty(grid.neighbors.shape, np.float32)
-    grid.bands.run(
+    grid.chunks.run(
         _stiffness, grid.neighbors, normals, painted.lower, painted.upper, grid.size / turn**2, 1.0 / jump**2, links
     )  # fmt: skip
     return links

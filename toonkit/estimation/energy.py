@@ -17,9 +17,9 @@ from toonkit._validation import FloatArray, is_number, refuse
 from toonkit.estimation.edges import edge_links
 from toonkit.estimation.silhouette import Silhouette
 from toonkit.model.color_map import IlluminationInterval
-from toonkit.numerics.bands import run_in_pieces
 from toonkit.numerics.change_energy import ChangeEnergy
 from toonkit.numerics.masked_grid import MaskedGrid, block_sums
+from toonkit.numerics.parallel import run_on_chunks
 from toonkit.numerics.smoothness_energy import SmoothnessEnergy
 from toonkit.numerics.unit_vectors import Stored
 
@@ -191,8 +191,8 @@ def change_energy(
         lower=lower,
         upper=upper,
         weight=np.ones(grid.size, STORED),
-        links=links,
-        ties=ties.astype(STORED),
+        edge_weights=links,
+        screening=ties.astype(STORED),
         change_weight=(options.change_length * size) ** 2,
         integrability_weight=(options.integrability_length * size) ** 2,
     )
@@ -206,11 +206,11 @@ def _with_margin(
 
     The margin depends on how far pixels have to move. A start that already explains the picture should stay as it is.
     """
-    found = run_in_pieces(_occurring, len(initial), allowed, initial, light)
+    found = run_on_chunks(_occurring, len(initial), allowed, initial, light)
     missed, darkest, brightest = np.array(found).T
     margin = min(margin, MARGIN_PER_EXCESS * float(np.sqrt(missed.sum() / len(initial))))
     lower, upper = np.empty((2, len(initial)), STORED)
-    run_in_pieces(_narrow, len(initial), allowed, margin, darkest.min(), brightest.max(), lower, upper)
+    run_on_chunks(_narrow, len(initial), allowed, margin, darkest.min(), brightest.max(), lower, upper)
     return lower, upper
 
 

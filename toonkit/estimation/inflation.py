@@ -9,9 +9,9 @@ from toonkit._validation import FloatArray, as_coverage, as_mask
 from toonkit.estimation.islands import Island, islands_of, join_vectors
 from toonkit.estimation.silhouette import Silhouette
 from toonkit.model.normals import NormalField
-from toonkit.numerics.bands import run_in_pieces
 from toonkit.numerics.masked_grid import MaskedGrid, block_sums
-from toonkit.numerics.membrane import Membrane, solve_membrane, uniform_links
+from toonkit.numerics.parallel import run_on_chunks
+from toonkit.numerics.screened_poisson import ScreenedPoisson, solve_screened_poisson, uniform_edge_weights
 
 RESIDUAL_TOLERANCE = 1e-5
 """Relative residual of the harmonic solve. It changes the normals by a few thousandths of a degree on average, far less than
@@ -75,13 +75,15 @@ def inflate_islands(islands: tuple[Island, ...]) -> FloatArray:
 
 def inflate_silhouette(grid: MaskedGrid, silhouette: Silhouette) -> FloatArray:
     """Return the inflated normals (P, 3) of an outline that has been traced; see `inflate`."""
-    sideways, _ = solve_membrane(*silhouette_system(grid, silhouette), tolerance=RESIDUAL_TOLERANCE)
+    sideways, _ = solve_screened_poisson(*silhouette_system(grid, silhouette), tolerance=RESIDUAL_TOLERANCE)
     vectors = np.empty((grid.size, 3))
-    run_in_pieces(_fill_in_nz, grid.size, sideways, vectors)
+    run_on_chunks(_fill_in_nz, grid.size, sideways, vectors)
     return vectors
 
 
-def silhouette_system(grid: MaskedGrid, silhouette: Silhouette) -> tuple[Membrane, NDArray[np.complex128]]:
+def silhouette_system(
+    grid: MaskedGrid, silhouette: Silhouette
+) -> tuple[ScreenedPoisson, NDArray[np.complex128]]:
     """
     Return the screened Poisson system, and its right-hand side (P,) for nx + i ny.
 
@@ -90,7 +92,7 @@ def silhouette_system(grid: MaskedGrid, silhouette: Silhouette) -> tuple[Membran
     stiffness = 1.0 / silhouette.distances
     ties = block_sums(silhouette.pixels, stiffness, grid.size)
     pull = [block_sums(silhouette.pixels, stiffness * part, grid.size) for part in silhouette.outward.T]
-    return Membrane(grid, uniform_links(grid), ties), pull[0] + 1j * pull[1]
+    return ScreenedPoisson(grid, uniform_edge_weights(grid), ties), pull[0] + 1j * pull[1]
 
 
 def _fill_in_nz(sideways: NDArray[np.complex128], vectors: FloatArray, piece: slice) -> None:

@@ -13,7 +13,7 @@ from toonkit.estimation.shape_prior import misfit
 from toonkit.model.image import ToonImage
 from toonkit.model.light import describe_light, light_direction
 from toonkit.model.normals import NormalField
-from toonkit.numerics.bands import single_threaded_blas
+from toonkit.numerics.parallel import single_threaded_blas
 
 LOWEST_ELEVATION = 5.0
 """Degrees. An estimate below this elevation fits noise."""

@@ -158,7 +158,7 @@ def _halvings(grid: MaskedGrid) -> list[Coarsening]:
 
 def _block_sums(steps: list[Coarsening], values: FloatArray) -> FloatArray:
     for step in steps:
-        values = step.sums(values)
+        values = step.sum_blocks(values)
     return values
 
 

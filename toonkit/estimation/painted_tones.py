@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.model.luminance import REC709, linear_to_srgb, srgb_to_linear
-from toonkit.numerics.bands import run_in_bands, run_in_pieces
 from toonkit.numerics.masked_grid import IndexArray
+from toonkit.numerics.parallel import run_on_chunks, run_on_row_chunks
 
 FLAT = 2.5 / 255
 """Colors of one band differ by less than this: rounding, and a compressor's noise."""
@@ -144,7 +144,7 @@ def find_mixtures(tone: FloatArray, rows: IndexArray, columns: IndexArray) -> Mi
     place = (rows + reach) * framed.shape[1] + columns + reach
     framed.ravel()[place] = tone
     level = np.zeros(framed.shape, np.bool_)
-    run_in_bands(_find_flat, framed, level)
+    run_on_row_chunks(_find_flat, framed, level)
     flat = level.ravel()[place]
     doubtful = np.flatnonzero(~flat)
     darker, brighter = _extremes(framed, place, flat, doubtful)
@@ -176,7 +176,7 @@ def _in_order(light: FloatArray, plain: FloatArray, mixed: NDArray[np.intp]) -> 
 def decoded(colors: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return colors (P, 3), sRGB in [0, 1], as linear light, (P, 3), and their tones, (P,)."""
     light, tone = np.empty(colors.shape), np.empty(len(colors))
-    run_in_pieces(_decode, len(colors), colors, light, tone)
+    run_on_chunks(_decode, len(colors), colors, light, tone)
     return light, tone
 
 

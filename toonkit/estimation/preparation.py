@@ -17,10 +17,10 @@ from toonkit.estimation.pose import Pose
 from toonkit.estimation.shading_ratio import PaintedMaterial
 from toonkit.estimation.turn import turn_under_light
 from toonkit.illustration.frame import Frame
-from toonkit.illustration.ink import Ink, find_ink, known_ink
+from toonkit.illustration.ink import Ink, find_ink, unmix_known_ink
 from toonkit.illustration.materials import FoundMaterials, label_materials, shows_one_ramp
 from toonkit.illustration.mixed_pixels import MixedPixels, mixtures
-from toonkit.illustration.noise import without_noise
+from toonkit.illustration.noise import remove_noise
 from toonkit.illustration.palette import is_pixel_art
 from toonkit.model.color_map import IlluminationInterval
 from toonkit.model.description import describe_object
@@ -163,7 +163,7 @@ class PreparedDrawing:
         """
         if self.given_ink is not None:
             lines = self.frame.cut(self.given_ink[self.box])
-            return known_ink(self.frame, lines, hard_edges=self.is_pixel_art)
+            return unmix_known_ink(self.frame, lines, hard_edges=self.is_pixel_art)
         ink = find_ink(self.frame, hard_edges=self.is_pixel_art)
         if ink.coverage.any() and not ink.outlined and shows_one_ramp(self.frame, self.framed_normals):
             return Ink.none(self.frame.mask)
@@ -282,7 +282,7 @@ class PreparedDrawing:
     @cached_property
     def frame(self) -> Frame:
         """The object, cut out, without a compressor's noise."""
-        return without_noise(Frame.of_pixels(self.image.pixels, self.grid.mask, views=self.views))
+        return remove_noise(Frame.of_pixels(self.image.pixels, self.grid.mask, views=self.views))
 
     def _on_picture(self, framed: NDArray[Any], fill: float) -> NDArray[Any]:
         """Put values (h, w, ...) of the frame into the picture, (H, W, ...), filled elsewhere."""

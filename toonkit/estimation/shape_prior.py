@@ -28,8 +28,8 @@ from toonkit.estimation.weights import read_weights
 from toonkit.estimation.working_square import SIZE, WorkingSquare
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
-from toonkit.numerics.bands import run_each
-from toonkit.numerics.unit_vectors import moved
+from toonkit.numerics.parallel import run_each
+from toonkit.numerics.unit_vectors import add_and_normalize
 
 SQUARES = ((1.0, True), (1.045, False))
 """Squares on which the network is asked: how much wider than the object needs, the first one not at all, and whether
@@ -84,7 +84,7 @@ def correct_shape(
             np.mean(run_each([view.answer_on_the_finer_square for view in views]), axis=0) * views[0].need()
         )
         spread = square.enlarged(overview.factor).spread(square.turned_back(change), island.grid)
-        corrected.append(moved(island.grid, island.own_vectors(initial_normals.compact), spread))
+        corrected.append(add_and_normalize(island.grid, island.own_vectors(initial_normals.compact), spread))
     return NormalField.of_pixels(join_vectors(pose.islands, corrected), initial_normals.mask)
 
 

@@ -101,7 +101,7 @@ class WorkingSquare:
     def spread(self, field: FloatArray, grid: MaskedGrid) -> FloatArray:
         """Interpolate a field (n, n, 3) on the square, of any resolution, at the object's pixels, shape (P, 3)."""
         values = np.empty((grid.size, field.shape[2]))
-        grid.bands.run(
+        grid.chunks.run(
             _interpolate, np.ascontiguousarray(field, np.float64), grid.rows, grid.columns,
             self.row, self.column, self.cosine, self.sine, len(field) / self.width, values,
         )  # fmt: skip

@@ -20,7 +20,7 @@ from toonkit.export.normal_map import write_normal_map
 from toonkit.export.picture import write_picture
 from toonkit.export.report import analysis_report, write_report
 from toonkit.model.label_colors import label_picture
-from toonkit.numerics.bands import run_each
+from toonkit.numerics.parallel import run_each
 
 ARCHIVE_NAME = "analysis.npz"
 """Name of the file that `load_analysis` reads back."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
-from toonkit.numerics.bands import run_in_pieces
+from toonkit.numerics.parallel import run_on_chunks
 
 _NORMAL_STEPS = 32767
 
@@ -17,7 +17,7 @@ def pack_levels(values: FloatArray) -> NDArray[Any]:
     """Return values in [0, 1] as the 8- or 16-bit integers that they are the levels of, or else unchanged."""
     for dtype in (np.uint8, np.uint16):
         levels = np.empty(values.shape, dtype)
-        if all(run_in_pieces(_write_levels, len(values), values, levels)):
+        if all(run_on_chunks(_write_levels, len(values), values, levels)):
             return levels
     return values
 
@@ -38,7 +38,7 @@ def pack_normals(normals: FloatArray) -> NDArray[np.uint16]:
     as exact at the rim, where z is small.
     """
     packed = np.empty((len(normals), 2), np.uint16)
-    run_in_pieces(_project, len(normals), normals, packed)
+    run_on_chunks(_project, len(normals), normals, packed)
     return packed
 
 

@@ -15,28 +15,15 @@ ANY_DISTANCE = 1 << 30
 """More rings than any picture has."""
 
 
-def nearest_sources(
+def find_nearest_sources(
     known: BoolArray, lab: Lab, wanted: BoolArray, *, within: int = ANY_DISTANCE
 ) -> NDArray[np.int32]:
     """
-    Find the pixel that each pixel takes its values from.
+    Find the pixel that each wanted pixel takes its values from: its flat index (h, w), -1 where there is none.
 
-    Parameters
-    ----------
-    known : ndarray of bool, shape (h, w)
-        Pixels that are their own sources.
-    lab : ndarray of float32, shape (h, w, 3)
-        Colors.
-    wanted : ndarray of bool, shape (h, w)
-        Pixels to be filled; False on the border of the array.
-    within : int, optional
-        Most rings.
-
-    Returns
-    -------
-    ndarray of int32, shape (h, w)
-        Flat index of the source, -1 where there is none. The result does not depend on the order of the pixels: a
-        mirrored picture has mirrored sources, except among sources of one color.
+    Known pixels are their own sources; wanted ones lie off the array's border, and at most `within` rings away. The
+    result does not depend on the order of the pixels: a mirrored picture has mirrored sources, except among sources of
+    one color.
     """
     source = np.full(known.size, -1, np.int32)
     inside = np.flatnonzero(known)

@@ -89,22 +89,8 @@ PLAIN = _shadow_on_white((0.55, 0.52, 0.66), edge=0.25, width=0.12)
 """A cool shadow. It covers a little less than half of a ball that is lit from the side."""
 
 
-def derived_shadow(color_maps: Sequence[ColorMap], areas: FloatArray) -> Shadow:
-    """
-    Derive the shadow of flat materials from the shaded ones.
-
-    Parameters
-    ----------
-    color_maps : sequence of ColorMap
-        Those of the shaded materials.
-    areas : ndarray, shape (n,)
-        Their shares of the object.
-
-    Returns
-    -------
-    Shadow
-        The median of their shadows, by area; a plain shadow if there are too few.
-    """
+def derive_shadow(color_maps: Sequence[ColorMap], areas: FloatArray) -> Shadow:
+    """Derive the shadow of flat materials: the median of the shaded ones' by area, or a plain one if these are few."""
     found = [_shadow_of(color_map) for color_map in color_maps]
     kept = [(shadow, area) for shadow, area in zip(found, areas, strict=True) if shadow is not None]
     if sum(area for _, area in kept) < LEAST_SHARE:

@@ -79,21 +79,10 @@ class _ToneRange:
 
 def find_highlights(tones: Tones, group: Groups) -> BoolArray:
     """
-    Find the pixels of highlights.
+    Find the pixels (h, w) of highlights, given the material (n,) of each tone.
 
-    Parameters
-    ----------
-    tones : Tones
-        The tones of a drawing.
-    group : ndarray of int, shape (n,)
-        Material of each tone, 0 to m - 1. A highlight color may have been grouped as a separate material, or as the
-        brightest tone of a material whose ramp it fits. The latter is only recognized if some spots of that color lie on
-        another material.
-
-    Returns
-    -------
-    ndarray of bool, shape (h, w)
-        True on highlights.
+    A highlight color may have been grouped as a separate material, or as the brightest tone of a material whose ramp it
+    fits. The latter is only recognized if some spots of that color lie on another material.
     """
     color, home = _bright_colors(tones, group)
     painted = tones.labels >= 0
@@ -139,19 +128,9 @@ def find_highlights(tones: Tones, group: Groups) -> BoolArray:
 
 def find_named_highlights(tones: Tones, materials: Labels) -> BoolArray:
     """
-    Find the pixels of highlights on given materials.
+    Find the pixels (h, w) of highlights on given materials (h, w), -1 where none is given.
 
-    Parameters
-    ----------
-    tones : Tones
-        The tones of a drawing.
-    materials : ndarray of int, shape (h, w)
-        Material of each pixel, -1 where none is given.
-
-    Returns
-    -------
-    ndarray of bool, shape (h, w)
-        True where a material has a bright, pale tone much lighter than its other large tones.
+    A highlight is a bright, pale tone much lighter than the material's other large tones.
     """
     named: BoolArray = (materials >= 0) & (tones.labels >= 0)
     if not named.any():
@@ -192,14 +171,10 @@ def _spots_alone(
 
 def _bright_colors(tones: Tones, group: Groups) -> tuple[Groups, NDArray[np.intp]]:
     """
-    Return the colors that highlights may have.
+    Return the highlight color of each tone (n,), -1 if it cannot be one, and the material of each color (c,).
 
-    Returns
-    -------
-    color : ndarray of int, shape (n,)
-        Highlight-color label of each tone; -1 if the tone cannot be a highlight.
-    home : ndarray of int, shape (c,)
-        Material whose ramp contains each color along with other tones; -1 if the color is a material by itself.
+    The material is the one whose ramp contains the color along with other tones; -1 if the color is a material by
+    itself.
     """
     count = int(group.max()) + 1
     extent = _tone_range(tones, group, count)

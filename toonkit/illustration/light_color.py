@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from toonkit._validation import FloatArray
 from toonkit.model.color_map import ColorMap
 from toonkit.model.luminance import srgb_to_linear
-from toonkit.numerics.bands import run_in_bands
 from toonkit.numerics.compiled import njit
+from toonkit.numerics.parallel import run_on_row_chunks
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class LightColor:
         self, colors: FloatArray, labels: NDArray[np.integer], color: FloatArray, ambient: float
     ) -> None:
         flat = colors.reshape(-1, 3)
-        run_in_bands(_change, labels.ravel(), flat, self.shadows, self.lit_tones, color, ambient)
+        run_on_row_chunks(_change, labels.ravel(), flat, self.shadows, self.lit_tones, color, ambient)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -15,13 +15,15 @@ import numpy as np
 from scipy import ndimage
 
 from toonkit._validation import BoolArray, FloatArray
-from toonkit.illustration.filling import Labels, nearest_sources
+from toonkit.illustration.facing import Facing
+from toonkit.illustration.filling import Labels, find_nearest_sources
 from toonkit.illustration.frame import Frame
 from toonkit.illustration.highlights import find_highlights, find_named_highlights
 from toonkit.illustration.ink import PAINT
 from toonkit.illustration.mixed_pixels import REACH
-from toonkit.illustration.neighborhoods import grown
-from toonkit.illustration.ramps import Facing, Groups, is_one_ramp, join_tones
+from toonkit.illustration.neighborhoods import grow_mask
+from toonkit.illustration.one_ramp import is_one_ramp
+from toonkit.illustration.ramps import Groups, join_tones
 from toonkit.illustration.tones import Tones, find_tones
 from toonkit.illustration.zones import Zones, find_zones
 from toonkit.model.whole_pixels import pixels_at
@@ -94,7 +96,7 @@ def label_materials(
         The materials found; never empty.
     """
     zones, tones, facing = read_tones(frame, coverage, normals)
-    known, lit = _numbered(tones, join_tones(tones, facing))
+    known, lit = _renumber(tones, join_tones(tones, facing))
     told = np.full_like(known, -1)
     if labels is not None:
         told[frame.mask] = labels[frame.mask]
@@ -102,14 +104,14 @@ def label_materials(
         known = np.where(_strays(tones, told), -1, _fill_unlabeled(told, known))
     if highlights is not None:
         lit = highlights & frame.mask & (coverage < PAINT)
-    source = _fill_missing_sources(nearest_sources(known >= 0, frame.lab, frame.mask), frame.mask)
+    source = _fill_missing_sources(find_nearest_sources(known >= 0, frame.lab, frame.mask), frame.mask)
     own = np.arange(source.size, dtype=np.int32).reshape(source.shape)
     pure = zones.sources.ravel()[source]
     pure = np.where(pure >= 0, pure, source)
     lit, pure = _under_highlights(lit, pure, source, zones.sources == own, frame)
     pure = _of_their_material(pure, told, (known >= 0) & ~lit & (zones.sources == own))
     shown = np.where(lit, known.ravel()[pure], known.ravel()[source])
-    whole = _without_gaps(np.where(told >= 0, told, np.where(frame.mask, shown, -1)), told.max())
+    whole = _close_gaps(np.where(told >= 0, told, np.where(frame.mask, shown, -1)), told.max())
     # Pixels between two tones of one material are not mixed pixels; only those near another material are.
     alone = (known >= 0) & ~lit & ~_beside_another(whole, frame.mask)
     colors = _colors(frame, tones, whole, (known >= 0) & ~lit & (zones.sources == own))
@@ -192,7 +194,7 @@ def _fill_unlabeled(told: Labels, found: Labels) -> Labels:
     return known
 
 
-def _without_gaps(labels: Labels, named: int) -> Labels:
+def _close_gaps(labels: Labels, named: int) -> Labels:
     """Renumber the materials found, which follow the user's, so that each number occurs."""
     found = labels > named
     if found.any():
@@ -207,8 +209,8 @@ def _under_highlights(
     if not lit.any():
         return lit, pure
     lit = frame.mask & lit.ravel()[source]
-    lit |= ~unmixed & frame.mask & grown(lit, REACH)
-    around = nearest_sources(unmixed & ~lit & frame.mask, frame.lab, lit)
+    lit |= ~unmixed & frame.mask & grow_mask(lit, REACH)
+    around = find_nearest_sources(unmixed & ~lit & frame.mask, frame.lab, lit)
     return lit, np.where(lit & (around >= 0), around, pure)
 
 
@@ -225,7 +227,7 @@ def _of_their_material(sources: Labels, told: Labels, clean: BoolArray) -> Label
     return sources
 
 
-def _numbered(tones: Tones, group: Groups) -> tuple[Labels, BoolArray]:
+def _renumber(tones: Tones, group: Groups) -> tuple[Labels, BoolArray]:
     """
     Assign numbers to the materials of pixels by area, the largest first, and among equal ones the darker first.
 

@@ -78,19 +78,10 @@ class MixedPixels:
 
     def over(self, before: FloatArray, after: FloatArray, left: FloatArray | float = 1.0) -> FloatArray:
         """
-        Return the colors on other paint.
+        Return the colors (n, 3) of these pixels on other paint.
 
-        Parameters
-        ----------
-        before, after : ndarray, shape (n, 2, 3)
-            Paint of the sources, sRGB: as drawn, and what it has become.
-        left : ndarray, shape (n,), or float, optional
-            How much of a highlight is left, 0 to 1.
-
-        Returns
-        -------
-        ndarray, shape (n, 3)
-            sRGB in [0, 1].
+        The paint of the sources, (n, 2, 3) sRGB, is as drawn before, and as it has become after; `left` is how much of a
+        highlight is left, 0 to 1.
         """
         colors: FloatArray = self.drawn + np.einsum("nk,nkc->nc", self.shares, after - before)
         gone = np.where(self.highlit, 1.0 - np.asarray(left), 0.0)

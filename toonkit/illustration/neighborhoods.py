@@ -9,27 +9,27 @@ from __future__ import annotations
 import numpy as np
 
 from toonkit._validation import BoolArray, FloatArray
-from toonkit.numerics.bands import run_in_bands
+from toonkit.numerics.parallel import run_on_row_chunks
 
 
-def grown(marked: BoolArray, steps: int) -> BoolArray:
+def grow_mask(marked: BoolArray, steps: int) -> BoolArray:
     """Dilate the marked pixels of a picture (H, W) by a square that reaches some steps to each side."""
-    return _grown_along_columns(_grown_along_columns(marked, steps).T, steps).T
+    return _grow_along_columns(_grow_along_columns(marked, steps).T, steps).T
 
 
-def shrunk(marked: BoolArray, steps: int) -> BoolArray:
+def shrink_mask(marked: BoolArray, steps: int) -> BoolArray:
     """Erode the marked pixels of a picture (H, W) by a square that reaches some steps to each side."""
-    return ~grown(~marked, steps)
+    return ~grow_mask(~marked, steps)
 
 
 def range_around(color: FloatArray) -> FloatArray:
     """Range of each pixel of a picture (H, W, C) and its eight neighbors in the channel where it is largest, (H, W)."""
     widest = np.empty(color.shape[:2])
-    run_in_bands(_find_widest, color, widest)
+    run_on_row_chunks(_find_widest, color, widest)
     return widest
 
 
-def _grown_along_columns(marked: BoolArray, steps: int) -> BoolArray:
+def _grow_along_columns(marked: BoolArray, steps: int) -> BoolArray:
     """Dilate along the first axis: each pass reaches three times as far as the one before."""
     grown, reach = marked.copy(order="K"), 0
     while reach < steps:

@@ -11,7 +11,7 @@ from scipy import ndimage
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.illustration.filling import Labels
 from toonkit.illustration.frame import Frame
-from toonkit.illustration.neighborhoods import grown, range_around, shrunk
+from toonkit.illustration.neighborhoods import grow_mask, range_around, shrink_mask
 from toonkit.illustration.zones import find_zones
 from toonkit.model.oklab import Lab, tabulated_oklab
 from toonkit.model.whole_pixels import pixels_at
@@ -50,19 +50,11 @@ ONE_COLOR = 6
 """Steps of a channel within which two flat zones are of one color."""
 
 
-def without_noise(frame: Frame) -> Frame:
+def remove_noise(frame: Frame) -> Frame:
     """
     Give flat paint one color each, and pixels beside borders that of their own paint, if colors waver all over a drawing.
 
-    Parameters
-    ----------
-    frame : Frame
-        The object.
-
-    Returns
-    -------
-    Frame
-        The same with clean colors. A drawing without noise is returned unchanged.
+    A drawing without noise is returned unchanged.
     """
     if not _wavers(frame):
         return frame
@@ -81,13 +73,13 @@ def without_noise(frame: Frame) -> Frame:
     lab = tabulated_oklab(color)
     source = _own_paint(color, lab, frame.mask)
     color, lab = color.reshape(-1, 3)[source], lab.reshape(-1, 3)[source]
-    color = _flattened(color, lab, frame.mask)
+    color = _flatten(color, lab, frame.mask)
     return replace(frame, pixels=pixels_at(color, frame.mask))
 
 
 def _wavers(frame: Frame) -> bool:
     """Tell whether colors waver without any direction in much of a drawing."""
-    inner, color = shrunk(frame.mask, 1), frame.color
+    inner, color = shrink_mask(frame.mask, 1), frame.color
     steps = 255 * range_around(color)
     wavering = inner & (steps > 0.5) & (steps < WAVERS + 0.5)
     if np.count_nonzero(wavering) <= NOISY * np.count_nonzero(inner):
@@ -129,25 +121,13 @@ def _own_paint(color: FloatArray, lab: Lab, mask: BoolArray) -> NDArray[np.intp]
     """
     Find steady pixels of the same luma near those that are not: a compressor smears hues further than luma.
 
-    Parameters
-    ----------
-    color : ndarray, shape (h, w, 3)
-        sRGB.
-    lab : ndarray of float32, shape (h, w, 3)
-        The same in OKLab.
-    mask : ndarray of bool, shape (h, w)
-        The object; False on the border of the array.
-
-    Returns
-    -------
-    ndarray of int, shape (h, w)
-        Flat index of the pixel whose color each gets: its own where it is steady, or nothing is found.
+    Returns the flat index (h, w) of the pixel whose color each gets: its own where it is steady, or nothing is found.
     """
     own = np.arange(mask.size).reshape(mask.shape)
     steady = mask & (255 * range_around(color) < STEADY + 0.5)
     source = np.where(steady, own, -1).ravel()
     luma, lab, width = (color @ LUMA).ravel(), lab.reshape(-1, 3), mask.shape[1]
-    left = np.flatnonzero(mask & ~steady & grown(steady, REACH))
+    left = np.flatnonzero(mask & ~steady & grow_mask(steady, REACH))
     for _ in range(REACH):
         least, found = np.full(len(left), np.inf, np.float32), np.full(len(left), -1)
         for step in (1, width, width + 1, width - 1):
@@ -163,7 +143,7 @@ def _own_paint(color: FloatArray, lab: Lab, mask: BoolArray) -> NDArray[np.intp]
     return np.where(source.reshape(mask.shape) >= 0, source.reshape(mask.shape), own)
 
 
-def _flattened(color: FloatArray, lab: Lab, mask: BoolArray) -> FloatArray:
+def _flatten(color: FloatArray, lab: Lab, mask: BoolArray) -> FloatArray:
     """Give the flat zones of a picture (h, w, 3) their median colors, and one color to those that differ by noise alone."""
     zones = find_zones(lab, mask)
     unmixed = mask & (zones.sources == np.arange(mask.size).reshape(mask.shape))

@@ -15,7 +15,7 @@ from scipy import ndimage
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.illustration.distinct_colors import LEVELS, beside_their_own, distinct_colors
 from toonkit.illustration.flat_shading import LEAST_STEP
-from toonkit.illustration.ramps import out_of_range, shade_cost
+from toonkit.illustration.shades import out_of_range, shade_cost
 from toonkit.illustration.tones import RADIUS
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
@@ -118,21 +118,7 @@ def is_pixel_art(image: ToonImage, *, views: int = 1) -> bool:
 
 
 def find_palette(image: ToonImage, materials: Materials) -> Palette | None:
-    """
-    Find the ramp of each material in the colors of a drawing.
-
-    Parameters
-    ----------
-    image : ToonImage
-        The drawing.
-    materials : Materials
-        Its materials, with color maps.
-
-    Returns
-    -------
-    Palette or None
-        None if the drawing has more than `MOST_COLORS` colors in one material.
-    """
+    """Find the ramp of each material in the colors of a drawing; None if a material has more than `MOST_COLORS` colors."""
     most = MOST_COLORS * materials.count
     labels = materials.labels[image.mask]
     firsts, _ = distinct_colors(image.pixels, labels, most)

@@ -22,22 +22,8 @@ TEXTURE = 0.15
 """Color difference, in sRGB, up to which what the model leaves unexplained is texture, which stays."""
 
 
-def recolored_materials(drawn: Materials, ramps: Mapping[int, ToneRamp]) -> Materials:
-    """
-    Give some materials other tones.
-
-    Parameters
-    ----------
-    drawn : Materials
-        The materials as drawn.
-    ramps : mapping of int to ToneRamp
-        Tones by material.
-
-    Returns
-    -------
-    Materials
-        A material that stays flat is flat, and its color map has one color.
-    """
+def recolor_materials(drawn: Materials, ramps: Mapping[int, ToneRamp]) -> Materials:
+    """Give some materials other tones; a material that stays flat is flat, and its color map has one color."""
     tones, flat, color_maps = list(drawn.tones), drawn.flat.copy(), list(drawn.color_maps)
     for number, ramp in ramps.items():
         tones[number] = ramp.colors[-1:] if flat[number] else ramp.colors

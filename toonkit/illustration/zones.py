@@ -14,8 +14,8 @@ import numpy as np
 from scipy import ndimage
 
 from toonkit._validation import BoolArray
-from toonkit.illustration.filling import Labels, nearest_sources
-from toonkit.illustration.neighborhoods import shrunk
+from toonkit.illustration.filling import Labels, find_nearest_sources
+from toonkit.illustration.neighborhoods import shrink_mask
 from toonkit.model.oklab import Lab
 from toonkit.numerics.compiled import njit
 
@@ -66,36 +66,22 @@ class Zones:
 
 
 def find_zones(lab: Lab, paint: BoolArray) -> Zones:
-    """
-    Find the zones of a picture.
-
-    Parameters
-    ----------
-    lab : ndarray of float32, shape (h, w, 3)
-        Colors in OKLab.
-    paint : ndarray of bool, shape (h, w)
-        Where paint shows; False on the border of the array.
-
-    Returns
-    -------
-    Zones
-        Zones, which no edge crosses.
-    """
-    lab = _without_grain(lab, paint)
+    """Find the zones of a picture, which no edge crosses, where paint shows (h, w); paint stays off the array's border."""
+    lab = _remove_grain(lab, paint)
     change, flat = np.zeros(paint.shape, np.float32), np.zeros(paint.shape, np.bool_)
     row, width = lab.reshape(-1, 3), paint.shape[1]
     _measure(row, paint.ravel(), width, np.float32(SAME**2), flat.ravel(), change.ravel())
     weight = ndimage.uniform_filter(paint.astype(np.float32), SURROUNDINGS)
     around = ndimage.uniform_filter(change, SURROUNDINGS) / np.maximum(weight, 1e-6)
     smooth = paint & (flat | (change < SAME + CONTRAST * around))
-    return _without_specks(_connected(smooth, flat, lab), lab, paint)
+    return _remove_specks(_connected(smooth, flat, lab), lab, paint)
 
 
-def _without_grain(lab: Lab, paint: BoolArray) -> Lab:
+def _remove_grain(lab: Lab, paint: BoolArray) -> Lab:
     """Average each pixel with those neighbors that are much like it, if most paint is grained or dithered."""
     lightness = lab[..., 0]
     cross = ndimage.convolve(lightness, np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]], np.float32) / 4)
-    inner = shrunk(paint, 1)
+    inner = shrink_mask(paint, 1)
     if not inner.any() or np.median(np.abs(cross - lightness)[inner]) < GRAIN:
         return lab
     smooth = lab
@@ -122,7 +108,7 @@ def _connected(smooth: BoolArray, flat: BoolArray, lab: Lab) -> Labels:
     return labels
 
 
-def _without_specks(labels: Labels, lab: Lab, paint: BoolArray) -> Zones:
+def _remove_specks(labels: Labels, lab: Lab, paint: BoolArray) -> Zones:
     """Dissolve pieces that are too small or nothing but the mixture between two others, and fill all of the paint."""
     sizes = np.bincount(labels[labels >= 0])
     own = labels >= 0
@@ -134,7 +120,7 @@ def _without_specks(labels: Labels, lab: Lab, paint: BoolArray) -> Zones:
     own |= kept
     if not own.any():  # a drawing of a few pixels, all different
         own, labels = paint, np.where(paint, 0, -1)
-    source = nearest_sources(own, lab, paint)
+    source = find_nearest_sources(own, lab, paint)
     filled = source >= 0
     zones, shown = np.full(paint.shape, -1, np.int32), lab.copy()
     zones[filled] = labels.ravel()[source[filled]]

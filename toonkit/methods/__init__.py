@@ -22,7 +22,7 @@ from toonkit.model.image import ToonImage
 from toonkit.model.layer_loading import load_layers
 from toonkit.model.light import direction_of
 from toonkit.model.materials import Materials
-from toonkit.numerics.bands import single_threaded_blas
+from toonkit.numerics.parallel import single_threaded_blas
 from toonkit.samples import drawing_path
 
 

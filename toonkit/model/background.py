@@ -67,23 +67,11 @@ class _Unmixed:
 
 def find_background(color: FloatArray) -> Background:
     """
-    Find the plain background of a picture.
+    Find the plain background of a picture, (H, W, 3) float64 sRGB in [0, 1].
 
-    Parameters
-    ----------
-    color : ndarray, shape (H, W, 3)
-        float64 sRGB in [0, 1].
-
-    Returns
-    -------
-    Background
-        Its color and where it is. Patches of the same color inside the object stay with the object.
-
-    Raises
-    ------
-    ToonkitError
-        If no color covers `MIN_FRAME_SHARE` of the frame, nothing else is in the picture, or a checkerboard of
-        transparency is painted around the object.
+    Patches of the same color inside the object stay with the object. Raises `ToonkitError` if no color covers
+    `MIN_FRAME_SHARE` of the frame, nothing else is in the picture, or a checkerboard of transparency is painted around
+    the object.
     """
     frame = np.concatenate([color[0], color[-1], color[1:-1, 0], color[1:-1, -1]])
     # A color that most of the frame shares holds the median of each channel.
@@ -114,23 +102,11 @@ def find_background(color: FloatArray) -> Background:
 
 def cut_out(color: FloatArray) -> ToonImage:
     """
-    Cut an object out of its plain background.
+    Cut an object out of its plain background; the picture is (H, W, 3) float64 sRGB in [0, 1].
 
-    Parameters
-    ----------
-    color : ndarray, shape (H, W, 3)
-        float64 sRGB in [0, 1].
-
-    Returns
-    -------
-    ToonImage
-        The object. In its outline, `OUTLINE_WIDTH` wide, colors mixed with the background are replaced by the
-        object's own and the mixing ratio becomes alpha, so that no background color gets into a color map.
-
-    Raises
-    ------
-    ToonkitError
-        As `find_background`.
+    In its outline, `OUTLINE_WIDTH` wide, colors mixed with the background are replaced by the object's own and the
+    mixing ratio becomes alpha, so that no background color gets into a color map. Raises errors as `find_background`
+    does.
     """
     background = find_background(color)
     rest = ~background.mask

@@ -16,19 +16,7 @@ _ALTERNATION = 0.7  # least agreement with the pattern, from -1 to 1
 
 
 def has_checkerboard(color: FloatArray) -> bool:
-    """
-    Tell whether a checkerboard of two grays is painted around the object.
-
-    Parameters
-    ----------
-    color : ndarray, shape (H, W, 3)
-        float64 sRGB in [0, 1].
-
-    Returns
-    -------
-    bool
-        True if the corners of the picture alternate between two grays in both directions.
-    """
+    """Tell whether the corners of a picture, (H, W, 3) sRGB, alternate between two grays in both directions."""
     grays = _two_grays(np.concatenate([color[0], color[-1], color[1:-1, 0], color[1:-1, -1]]))
     if grays is None:
         return False

@@ -51,21 +51,9 @@ class ColorSpace:
 
 def to_srgb(argument: str, samples: NDArray[Any], space: ColorSpace) -> NDArray[Any]:
     """
-    Convert colors to sRGB.
+    Convert samples (H, W, 1..4), of uint8, uint16 or floats in [0, 1], to sRGB; two and four channels end in alpha.
 
-    Parameters
-    ----------
-    argument : str
-        Name of the argument, for warnings.
-    samples : ndarray, shape (H, W, 1..4)
-        uint8, uint16 or float in [0, 1]; two and four channels end in alpha.
-    space : ColorSpace
-        What they mean.
-
-    Returns
-    -------
-    ndarray
-        The samples themselves if they are sRGB already, or if what the file says cannot be applied, which a warning tells.
+    They are returned as they are if they are sRGB, or if what the file says cannot be applied, which a warning tells.
     """
     if space.remark:
         warn(argument, space.remark)

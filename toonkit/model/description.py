@@ -39,19 +39,9 @@ def describe_object(mask: BoolArray) -> str:
 
 def preview_png(pixels: NDArray[np.uint8], *, smooth: bool = True) -> bytes:
     """
-    Return a small picture as the bytes of a PNG file.
+    Return pixels (H, W, 3 or 4) of uint8 sRGB as a PNG file of at most `LONGEST_SIDE` pixels on each side.
 
-    Parameters
-    ----------
-    pixels : ndarray of uint8, shape (H, W, 3) or (H, W, 4)
-        sRGB, with straight alpha if there are four channels.
-    smooth : bool, optional
-        Whether reduced pixels take the mean of those that they stand for; if not, the color of one of them.
-
-    Returns
-    -------
-    bytes
-        The picture, at most `LONGEST_SIDE` pixels wide and high.
+    When reduced, smooth ones are means of those that they stand for, and others the color of one of them.
     """
     image = Image.fromarray(np.ascontiguousarray(pixels))
     image.thumbnail(

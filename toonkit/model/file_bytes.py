@@ -16,30 +16,10 @@ def read_bytes(
     argument: str, source: str | os.PathLike[str] | Any, *, limit: int, kind: str
 ) -> tuple[bytes, str]:
     """
-    Read a file.
+    Read a regular file, or anything with a `read` method that returns bytes; return its content, and its name for messages.
 
-    Parameters
-    ----------
-    argument : str
-        Name of the argument, for messages.
-    source : path, or object with a `read` method
-        A regular file, or anything with a `read` method that returns bytes.
-    limit : int
-        Bytes that a file may have.
-    kind : str
-        What the file is to be, for messages, such as "a picture file".
-
-    Returns
-    -------
-    content : bytes
-        All of the file.
-    name : str
-        Its name, for messages.
-
-    Raises
-    ------
-    ToonkitError
-        If there is no such file, it is empty, a folder, a pipe or a device, cannot be read or has more than `limit` bytes.
+    Raises `ToonkitError` if there is no such file, it is empty, a folder, a pipe or a device, cannot be read or has
+    more than `limit` bytes.
     """
     if isinstance(source, str | os.PathLike):
         path = expand_home(source)

@@ -39,19 +39,7 @@ _MOST_MEMBERS = 1 << 16
 
 
 def name_format(data: bytes) -> str | None:
-    """
-    Name a format that toonkit does not read, and what to export instead.
-
-    Parameters
-    ----------
-    data : bytes
-        Content of a file.
-
-    Returns
-    -------
-    str or None
-        Such as "a Photoshop document (PSD or PSB): export it ..."; None if the content is of no known format.
-    """
+    """Name a known format that toonkit does not read, and what to export instead."""
     for start, name, advice in _STARTS:
         if data.startswith(start):
             return f"{name}: {advice}"

@@ -20,22 +20,9 @@ _GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 
 def label_picture(labels: NDArray[np.integer]) -> NDArray[np.uint8]:
     """
-    Paint each label in a color of its own.
+    Paint each label (H, W), numbers from 0 on or -1 for nothing, in an RGBA color (H, W, 4) of its own.
 
-    Parameters
-    ----------
-    labels : ndarray of int, shape (H, W)
-        Numbers from 0 on, -1 where there is nothing.
-
-    Returns
-    -------
-    ndarray of uint8, shape (H, W, 4)
-        RGBA: successive numbers far apart in hue, always in the same color; transparent at -1.
-
-    Raises
-    ------
-    ToonkitError
-        If the labels are no such numbers.
+    Successive numbers are far apart in hue, always in the same color; -1 is transparent.
 
     Examples
     --------

@@ -81,7 +81,7 @@ def load_layers(
     Returns
     -------
     LayeredDrawing
-        For `analyze(drawing.image, materials=drawing.materials, ink=drawing.ink)`, which is what `analyze(source)` does.
+        `analyze(drawing.image, materials=drawing.materials, ink=drawing.ink)` is what `analyze(source)` does.
 
     Raises
     ------
@@ -104,22 +104,22 @@ def load_layers(
     """
     document = open_document("source", source)
     if document is None:
-        for argument, names in (("ink_layer", ink_layer), ("flats_layer", flats_layer)):
-            if names:
-                raise refuse(argument, "must come with a layered document", f"{names!r} and a plain picture")
+        _refuse_layers_of_a_plain_picture(ink_layer=ink_layer, flats_layer=flats_layer)
         return LayeredDrawing(image_of(read_pixels("source", source), mask))
     image = image_of(document.read_merged(), mask)
     inked = _layers("ink_layer", document, ink_layer, lambda: find_ink_layers(document, image.mask))
     flat = _layers("flats_layer", document, flats_layer, lambda: find_flats_layers(document))
     ink = _ink(document, inked, image.mask, named=ink_layer is not None) if inked else None
     materials = _materials(flat, image.mask, named=flats_layer is not None) if flat else None
-    return LayeredDrawing(
-        image,
-        materials,
-        ink,
-        () if ink is None else tuple(layer.name for layer in inked),
-        () if materials is None else tuple(layer.name for layer in flat),
-    )
+    ink_layers = () if ink is None else tuple(layer.name for layer in inked)
+    flats_layers = () if materials is None else tuple(layer.name for layer in flat)
+    return LayeredDrawing(image, materials, ink, ink_layers, flats_layers)
+
+
+def _refuse_layers_of_a_plain_picture(**named: object) -> None:
+    for argument, names in named.items():
+        if names:
+            raise refuse(argument, "must come with a layered document", f"{names!r} and a plain picture")
 
 
 def _layers(

@@ -55,26 +55,9 @@ def light_direction(azimuth: float, elevation: float) -> FloatArray:
 
 def direction_of(argument: str, light: ArrayLike, *, behind: bool = False) -> FloatArray:
     """
-    Return the unit vector of a light given as a direction or in degrees.
+    Return the unit vector (3,) of a light: a direction from the surface, or azimuth and elevation as in `light_direction`.
 
-    Parameters
-    ----------
-    argument : str
-        Name of the argument, for the message of an error.
-    light : array_like, shape (3,) or (2,)
-        Direction from the surface to the light, or azimuth and elevation as in `light_direction`.
-    behind : bool, optional
-        Whether the light may stand behind the picture.
-
-    Returns
-    -------
-    ndarray, shape (3,)
-        Unit vector; z >= 0 unless the light may stand behind.
-
-    Raises
-    ------
-    ToonkitError
-        If it is neither, zero, not finite, or from behind where it may not be.
+    Raises `ToonkitError` if it is neither, zero, not finite, or from behind the picture where it may not be.
     """
     try:
         given = any_array(argument, light)
@@ -92,17 +75,7 @@ def direction_of(argument: str, light: ArrayLike, *, behind: bool = False) -> Fl
 
 def describe_light(light: FloatArray) -> str:
     """
-    Say in words where a light stands.
-
-    Parameters
-    ----------
-    light : ndarray, shape (3,)
-        Direction from the surface to the light.
-
-    Returns
-    -------
-    str
-        Its azimuth, 0 to 359, and its elevation, both in whole degrees.
+    Say in words where a light (3,) stands, in whole degrees.
 
     Examples
     --------

@@ -25,55 +25,23 @@ def linear_to_srgb(light: ArrayLike) -> FloatArray:
 
 
 def luminance(color: ArrayLike) -> FloatArray:
-    """
-    Relative luminance of painted colors.
-
-    Parameters
-    ----------
-    color : array_like, shape (..., 3)
-        sRGB in [0, 1].
-
-    Returns
-    -------
-    ndarray, shape (...)
-        Luminance Y in [0, 1], linear in light (Rec. 709 primaries).
-    """
+    """Return the relative luminance (...), linear in light (Rec. 709 primaries), of sRGB colors (..., 3) in [0, 1]."""
     weighted: FloatArray = srgb_to_linear(color) @ REC709
     return weighted
 
 
 def tone(color: ArrayLike) -> FloatArray:
     """
-    Luminance encoded with the sRGB curve: the same order as `luminance`, in even steps for the eye.
+    Return the luminance of sRGB colors (..., 3), encoded with the sRGB curve: in even steps for the eye, in [0, 1].
 
     Tolerances between painted colors are stated in it, because a painter's steps are.
-
-    Parameters
-    ----------
-    color : array_like, shape (..., 3)
-        sRGB in [0, 1].
-
-    Returns
-    -------
-    ndarray, shape (...)
-        Tone in [0, 1].
     """
     return linear_to_srgb(luminance(color))
 
 
 def hex_color(color: ArrayLike) -> str:
     """
-    Write a color as web pages do.
-
-    Parameters
-    ----------
-    color : array_like, shape (3,)
-        sRGB in [0, 1].
-
-    Returns
-    -------
-    str
-        "#rrggbb".
+    Write an sRGB color in [0, 1] as web pages do.
 
     Examples
     --------
@@ -86,24 +54,12 @@ def hex_color(color: ArrayLike) -> str:
 
 def color_of_hex(text: str) -> tuple[float, float, float]:
     """
-    Read a color as web pages write it.
-
-    Parameters
-    ----------
-    text : str
-        "#rrggbb", or "#rgb" for short.
-
-    Returns
-    -------
-    (float, float, float)
-        sRGB in [0, 1].
+    Read a color, "#rrggbb" or "#rgb", as sRGB in [0, 1].
 
     Examples
     --------
-    >>> color_of_hex("#ff0033")
-    (1.0, 0.0, 0.2)
-    >>> color_of_hex("#f03")
-    (1.0, 0.0, 0.2)
+    >>> color_of_hex("#ff0033"), color_of_hex("#f03")
+    ((1.0, 0.0, 0.2), (1.0, 0.0, 0.2))
     """
     digits = text.removeprefix("#")
     if len(digits) == 3:

@@ -59,21 +59,7 @@ class NormalMapCheck:
 
 
 def check_normal_map(vectors: FloatArray, mask: BoolArray) -> NormalMapCheck:
-    """
-    Examine decoded vectors before they are renormalized.
-
-    Parameters
-    ----------
-    vectors : ndarray, shape (H, W, 3)
-        x right, y up, z toward the viewer, each decoded to -1..1.
-    mask : ndarray, shape (H, W)
-        True on the object.
-
-    Returns
-    -------
-    NormalMapCheck
-        How many vectors are off unit length, whether the rim's normals point outward, and whether it is a normal map at all.
-    """
+    """Examine decoded vectors (H, W, 3), x right, y up, z toward the viewer, before they are renormalized."""
     inside = vectors[mask]
     length = np.linalg.norm(inside, axis=1)
     off = np.abs(length - 1) > OFF_UNIT

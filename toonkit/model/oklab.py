@@ -43,17 +43,7 @@ _LINEAR_OF_LMS = np.linalg.inv(_LMS_OF_LINEAR)
 
 def srgb_to_oklab(color: ArrayLike) -> FloatArray:
     """
-    Convert painted colors to OKLab.
-
-    Parameters
-    ----------
-    color : array_like, shape (..., 3)
-        sRGB in [0, 1]; NaN stays NaN.
-
-    Returns
-    -------
-    ndarray, shape (..., 3)
-        L in [0, 1], a and b within about [-0.4, 0.4].
+    Convert sRGB (..., 3) in [0, 1] to OKLab: L in [0, 1], a and b within about [-0.4, 0.4]; NaN stays NaN.
 
     Examples
     --------
@@ -67,17 +57,9 @@ def srgb_to_oklab(color: ArrayLike) -> FloatArray:
 
 def off_hue(lab: FloatArray, reference: FloatArray) -> FloatArray:
     """
-    Return how far colors are from the hue of others, whatever their lightness and chroma.
+    Return how far OKLab colors (..., 3) are from the hue of others, whatever their lightness and chroma.
 
-    Parameters
-    ----------
-    lab, reference : ndarray, shape (..., 3)
-        OKLab.
-
-    Returns
-    -------
-    ndarray, shape (...)
-        Distance of (a, b) from the ray from gray through the reference's (a, b), in OKLab.
+    It is the distance of (a, b) from the ray from gray through the reference's (a, b).
 
     Examples
     --------
@@ -91,36 +73,16 @@ def off_hue(lab: FloatArray, reference: FloatArray) -> FloatArray:
 
 
 def oklab_to_srgb(lab: ArrayLike) -> FloatArray:
-    """
-    Convert OKLab to sRGB: the inverse of `srgb_to_oklab`.
-
-    Parameters
-    ----------
-    lab : array_like, shape (..., 3)
-        L, a, b; NaN stays NaN.
-
-    Returns
-    -------
-    ndarray, shape (..., 3)
-        sRGB. Colors that sRGB does not have lie outside [0, 1].
-    """
+    """Convert OKLab (..., 3) to sRGB; NaN stays NaN. Colors that sRGB does not have lie outside [0, 1]."""
     roots = np.asarray(lab, dtype=np.float64) @ _ROOTS_OF_OKLAB.T
     return linear_to_srgb(roots**3 @ _LINEAR_OF_LMS.T)
 
 
 def tabulated_oklab(color: FloatArray) -> Lab:
     """
-    Convert painted colors to OKLab quickly, in single precision and with sRGB in 1024 levels.
+    Convert sRGB (..., 3) without NaN to OKLab quickly, in single precision and with sRGB in 1024 levels.
 
-    Parameters
-    ----------
-    color : ndarray, shape (..., 3)
-        sRGB in [0, 1], without NaN.
-
-    Returns
-    -------
-    ndarray of float32, shape (..., 3)
-        As `srgb_to_oklab`, to about 0.002; darker than a step of an 8-bit picture, to 0.02.
+    It differs from `srgb_to_oklab` by up to 0.002, or 0.02 in colors darker than a step of 8 bits.
     """
     decoded = srgb_to_linear(np.linspace(0.0, 1.0, _LEVELS + 1)).astype(np.float32)
     level = np.rint(np.asarray(color) * _LEVELS).astype(np.intp)

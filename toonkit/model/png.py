@@ -62,21 +62,7 @@ def read_header(data: bytes) -> PngHeader | None:
 
 
 def declared_space(data: bytes, profile: bytes | None) -> ColorSpace:
-    """
-    Find what a PNG file says its colors mean.
-
-    Parameters
-    ----------
-    data : bytes
-        Content of the file.
-    profile : bytes or None
-        Its ICC profile.
-
-    Returns
-    -------
-    ColorSpace
-        The first that there is of cICP, the profile, sRGB, and gAMA with cHRM; sRGB if there is none.
-    """
+    """Find what a PNG file says its colors mean: the first of cICP, its ICC profile, sRGB, and gAMA with cHRM; else sRGB."""
     chunks: dict[bytes, bytes] = {}
     for name, content, _ in _chunks(data):
         if name == b"IDAT":
@@ -102,21 +88,7 @@ def declared_space(data: bytes, profile: bytes | None) -> ColorSpace:
 
 
 def decode_deep_png(data: bytes, header: PngHeader) -> NDArray[np.unsignedinteger[Any]]:
-    """
-    Decode a PNG file of sixteen bits a sample, which Pillow would cut to eight.
-
-    Parameters
-    ----------
-    data : bytes
-        Content of the file.
-    header : PngHeader
-        Its first chunk.
-
-    Returns
-    -------
-    ndarray of uint16, shape (H, W, 1..4)
-        The samples.
-    """
+    """Decode a PNG file of sixteen bits a sample, which Pillow would cut to eight, as uint16 (H, W, 1..4)."""
     import imagecodecs  # noqa: PLC0415  # its compiled codecs load slowly, and few pictures need them
 
     samples: NDArray[np.unsignedinteger[Any]] = imagecodecs.png_decode(_plain(data, header))

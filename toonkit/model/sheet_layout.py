@@ -84,26 +84,7 @@ class SheetLayout:
 
 
 def grid_layout(shape: tuple[int, int], columns: int, rows: int) -> SheetLayout:
-    """
-    Divide a sheet into equal cells.
-
-    Parameters
-    ----------
-    shape : (int, int)
-        Height and width of the sheet.
-    columns, rows : int
-        How many cells there are along each side.
-
-    Returns
-    -------
-    SheetLayout
-        Row by row from the upper left; named by their numbers.
-
-    Raises
-    ------
-    ToonkitError
-        If the cells would not be whole pixels, or too many.
-    """
+    """Divide a sheet (height, width) into equal cells of whole pixels, row by row from the upper left; refuse too many."""
     if not (is_count(columns, 1, shape[1]) and is_count(rows, 1, shape[0])) or columns * rows > MOST_FRAMES:
         rule = f"must be columns and rows of at most {MOST_FRAMES} frames"
         raise refuse("grid", rule, f"{columns!r} x {rows!r} for {shape[1]} x {shape[0]} pixels")
@@ -122,23 +103,10 @@ def grid_layout(shape: tuple[int, int], columns: int, rows: int) -> SheetLayout:
 
 def island_layout(painted: BoolArray) -> SheetLayout:
     """
-    Find separate parts of a sheet.
+    Find the separate parts of a sheet, where anything is painted (H, W), row by row as their upper edges lie.
 
-    Parameters
-    ----------
-    painted : ndarray of bool, shape (H, W)
-        Where anything is painted.
-
-    Returns
-    -------
-    SheetLayout
-        The boxes of the parts, row by row as their upper edges lie. Parts whose boxes overlap are one frame, and specks
-        belong to the nearest one.
-
-    Raises
-    ------
-    ToonkitError
-        If there are more than `MOST_FRAMES`, or none.
+    Parts whose boxes overlap are one frame, and specks belong to the nearest one. Raises `ToonkitError` if there are
+    more than `MOST_FRAMES`, or none.
     """
     labels, count = ndimage.label(painted, np.ones((3, 3)))
     area = np.bincount(labels.ravel(), minlength=count + 1)[1:]
@@ -192,26 +160,11 @@ def _merged(edges: NDArray[np.intp]) -> NDArray[np.intp]:
 
 def read_atlas(path: str | os.PathLike[str], shape: tuple[int, int]) -> tuple[SheetLayout, dict[str, Any]]:
     """
-    Read an atlas as TexturePacker and Aseprite write them.
+    Read a JSON atlas as TexturePacker and Aseprite write them: its frames, and all of the file.
 
-    Parameters
-    ----------
-    path : path
-        A JSON file with "frames", as a hash or an array: each has a "frame" of x, y, w and h, and may be "rotated".
-    shape : (int, int)
-        Height and width of the sheet.
-
-    Returns
-    -------
-    SheetLayout
-        The frames, without those that show a part of the sheet again.
-    dict
-        All of the file.
-
-    Raises
-    ------
-    ToonkitError
-        If the file is no such atlas, or a frame leaves the sheet.
+    It has "frames", as a hash or an array: each has a "frame" of x, y, w and h, and may be "rotated". Frames that show
+    a part of the sheet again are left out. Raises `ToonkitError` if the file is no such atlas, or a frame leaves the
+    sheet.
     """
     content, name = read_bytes("atlas", as_path("atlas", path), limit=MOST_ATLAS_BYTES, kind="an atlas")
     rule = "must be a JSON atlas as TexturePacker or Aseprite write it"

@@ -65,26 +65,10 @@ class TiffPicture:
 
 def decode_tiff(argument: str, data: bytes, check_size: Callable[[int, int], None]) -> TiffPicture:
     """
-    Decode the drawing in a TIFF file.
+    Decode the first picture of a TIFF file that is no thumbnail or mask, nor looks like a thumbnail of a later one.
 
-    Parameters
-    ----------
-    argument : str
-        Name of the argument, for messages.
-    data : bytes
-        Content of the file.
-    check_size : callable
-        Refuses a width and height, before anything of that size is made.
-
-    Returns
-    -------
-    TiffPicture
-        The first picture that is neither marked as a thumbnail or mask nor looks like a thumbnail of a later one.
-
-    Raises
-    ------
-    ToonkitError
-        If the picture's size, kind or number of samples is none that toonkit reads, or its floats are not in [0, 1].
+    `check_size` refuses a width and height before anything of that size is made. Raises `ToonkitError` if the size,
+    kind or number of samples is none that toonkit reads, or floats are not in [0, 1].
     """
     import tifffile  # noqa: PLC0415  # slow to load, seldom needed
 

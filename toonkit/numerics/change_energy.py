@@ -5,36 +5,36 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
-import numpy as np
-
 from toonkit._validation import FloatArray
-from toonkit.numerics.change_kernels import relax, value_and_gradient
-from toonkit.numerics.integrability import integrability_gradient, integrability_residual
-from toonkit.numerics.masked_grid import Links
-from toonkit.numerics.membrane import Membrane
+from toonkit.numerics.change_kernels import sweep_change, value_and_gradient
+from toonkit.numerics.masked_grid import EdgeWeights
 from toonkit.numerics.unit_vectors import Terms, UnitVectorEnergy
 
 
 @dataclass(frozen=True, eq=False)
 class ChangeEnergy(UnitVectorEnergy):
     """
-    The penalty, the membrane of the change n - n0, and integrability; `start` is n0.
+    The penalty, a screened Poisson term of the change n - n0, and integrability; `start` is n0.
 
     Attributes
     ----------
-    links : ndarray of float32, shape (P, 4)
-        Stiffness k of the link to each neighbor, the same seen from both ends.
-    ties : ndarray, shape (P,)
-        Stiffness t that holds a pixel to n0.
+    edge_weights : ndarray of float32, shape (P, 4)
+        Weight k of the edge to each neighbor, the same from both ends.
+    screening : ndarray, shape (P,)
+        Screening t: how strongly a pixel is held to n0.
     change_weight, integrability_weight : float
         l² and m²: squares of the lengths, in pixels, over which the change is smooth and the field integrable where the
         intervals pull.
 
     Notes
     -----
-    With the residual r of `toonkit.numerics.integrability`, and P the squared distance of u · n to its interval,
+    With P the squared distance of u · n to its interval, and the integrability residual
 
-        E(n) = sum w_p P(u · n_p) + l² (sum over links k_pq |d_p - d_q|² + sum t_p |d_p|²) + m² sum r²,    d = n - n0.
+        r = n3 ∂y n1 - n1 ∂y n3 - n3 ∂x n2 + n2 ∂x n3
+
+    at the middle of each cell of 2 x 2 pixels, where means and differences are of second order, the energy is
+
+        E(n) = sum w_p P(u · n_p) + l² (sum over edges k_pq |d_p - d_q|² + sum t_p |d_p|²) + m² sum r²,    d = n - n0.
 
     Both sums over differences are free of scale in two dimensions, so that lengths in units of the object make the minimum
     independent of resolution.
@@ -42,47 +42,31 @@ class ChangeEnergy(UnitVectorEnergy):
 
     fitting_from: ClassVar[float] = 16_000
 
-    links: Links
-    ties: FloatArray
+    edge_weights: EdgeWeights
+    screening: FloatArray
     change_weight: float
     integrability_weight: float
 
-    def value(self, field: FloatArray) -> float:
-        """Energy of vectors (P, 3), readable rather than fast."""
-        change = field - self.start
-        return (
-            self.penalty(field)
-            + self.change_weight * float(np.sum(change * self._membrane.apply(change)))
-            + self.integrability_weight * float(np.sum(integrability_residual(self.grid, field) ** 2))
-        )
-
-    def gradient(self, field: FloatArray) -> FloatArray:
-        """Gradient with respect to the vectors, shape (P, 3), before any constraint on their length; readable."""
-        return (
-            self.penalty_gradient(field)
-            + 2.0 * self.change_weight * self._membrane.apply(field - self.start)
-            + self.integrability_weight * integrability_gradient(self.grid, field)
-        )
-
-    def coarsened(self) -> ChangeEnergy:
-        """Return the same energy on 2 x 2 blocks: of intervals and vectors the means, of links what is as stiff."""
+    def coarsen(self) -> ChangeEnergy:
+        """Return the same energy on 2 x 2 blocks."""
         step = self.grid.coarsening
-        return replace(self, **self.on_blocks(step), links=step.links(self.links), ties=step.sums(self.ties))
+        return replace(
+            self,
+            **self.average_on_blocks(step),
+            edge_weights=step.coarsen_edge_weights(self.edge_weights),
+            screening=step.sum_blocks(self.screening),
+        )
 
-    def relax(self, terms: Terms, field: FloatArray, *, backward: bool) -> None:
-        """Turn one vector after the other to where its own energy is least, in place."""
-        self.grid.bands.sweep(relax, *self._arguments(terms), field, backward=backward)
+    def sweep(self, terms: Terms, field: FloatArray, *, backward: bool) -> None:
+        """Sweep once over the vectors, in place (Gauss-Seidel)."""
+        self.grid.chunks.sweep(sweep_change, *self._arguments(terms), field, backward=backward)
 
     def value_and_gradient(self, terms: Terms, field: FloatArray, out: FloatArray) -> float:
         """Return the energy of a field; write its gradient."""
-        return float(sum(self.grid.bands.run(value_and_gradient, *self._arguments(terms), field, out)))
-
-    @property
-    def _membrane(self) -> Membrane:
-        return Membrane(self.grid, self.links, self.ties)
+        return float(sum(self.grid.chunks.run(value_and_gradient, *self._arguments(terms), field, out)))
 
     def _arguments(self, terms: Terms) -> tuple[Any, ...]:
         return (
             self.grid.neighbors, self.start, self.direction, terms.hold, terms.target, terms.lower, terms.upper,
-            terms.weight, self.links, self.ties, self.change_weight, self.integrability_weight, terms.source,
+            terms.weight, self.edge_weights, self.screening, self.change_weight, self.integrability_weight, terms.tau,
         )  # fmt: skip

@@ -1,6 +1,6 @@
 """Compiled pixel loops of `ChangeEnergy`: one file, because Numba invalidates a cache only when its own file changes.
 
-Each of them works on the pixels first to last of a grid and writes to those alone, so that bands can run in parallel.
+Each of them works on the pixels first to last of a grid and writes to those alone: chunks of rows can run in parallel.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import numpy as np
 from toonkit.numerics.compiled import njit
 
 LEAST_CURVATURE = 0.3
-"""Share of the pull's strength that its curvature has at least, so that a vector pulled the other way turns around."""
+"""Share of the pull's strength that its curvature has at least, so that a vector corrected the other way turns around."""
 
 
 @njit(inline="always")
@@ -34,73 +34,147 @@ def _cell(field, nx, ny, nz, beside, above, across, sx, sy):  # type: ignore[no-
     return residual, sy * mz - 0.25 * z_by_y, 0.25 * z_by_x - sx * mz, 0.25 * turn - sy * mx + sx * my
 
 
+@njit(inline="always")
+def _poisson_pull(neighbors, start, edge_weights, screening, field, p):  # type: ignore[no-untyped-def]
+    """Return the curvature of the screened Poisson term, alike in all directions, and the pull of the neighbors' changes."""
+    stiffness = screening[p]
+    fx = fy = fz = 0.0
+    for k in range(4):
+        q = neighbors[p, k]
+        if q >= 0:
+            edge = edge_weights[p, k]
+            stiffness += edge
+            fx += edge * (field[q, 0] - start[q, 0])
+            fy += edge * (field[q, 1] - start[q, 1])
+            fz += edge * (field[q, 2] - start[q, 2])
+    return stiffness, fx, fy, fz
+
+
+@njit(inline="always")
+def _integrability_terms(neighbors, field, nx, ny, nz, share, p):  # type: ignore[no-untyped-def]
+    """Return the gradient of the four cells around p, and its Gauss-Newton curvature in the tangent plane."""
+    cx = cy = cz = haa = hab = hbb = 0.0
+    for side in range(0, 4, 2):
+        beside = neighbors[p, side]
+        if beside < 0:
+            continue
+        for end in range(1, 4, 2):
+            above = neighbors[p, end]
+            if above < 0:
+                continue
+            across = neighbors[beside, end]
+            if across < 0:
+                continue
+            residual, gx, gy, gz = _cell(
+                field, nx, ny, nz, beside, above, across, 0.5 * (side - 1.0), 0.5 * (end - 2.0)
+            )
+            cx += residual * gx
+            cy += residual * gy
+            cz += residual * gz
+            tilt = share * (gx * nx + gy * ny) + gz
+            ga = gx - tilt * nx
+            gb = gy - tilt * ny
+            haa += ga * ga
+            hab += ga * gb
+            hbb += gb * gb
+    return cx, cy, cz, haa, hab, hbb
+
+
+@njit(inline="always")
+def _add_spring(firm, away, la, lb, ga, gb, haa, hab, hbb):  # type: ignore[no-untyped-def]
+    """Add firm / 2 times the square of the component's distance `away` to a gradient and its second derivatives."""
+    ga += firm * away * la
+    gb += firm * away * lb
+    haa += firm * la * la
+    hab += firm * la * lb
+    hbb += firm * lb * lb
+    return ga, gb, haa, hab, hbb
+
+
+@njit(inline="always")
+def _newton_step(ga, gb, haa, hab, hbb):  # type: ignore[no-untyped-def]
+    """Return the step in the tangent plane at which the gradient vanishes."""
+    scale = 1.0 / (haa * hbb - hab * hab)
+    return scale * (hab * gb - hbb * ga), scale * (hab * ga - haa * gb)
+
+
+@njit(inline="always")
+def _integrability_gradient(neighbors, field, nx, ny, nz, p):  # type: ignore[no-untyped-def]
+    """Return the sum of squared residuals of the four cells around p, and half of its gradient."""
+    squares = cx = cy = cz = 0.0
+    for side in range(0, 4, 2):
+        beside = neighbors[p, side]
+        if beside < 0:
+            continue
+        for end in range(1, 4, 2):
+            above = neighbors[p, end]
+            if above < 0:
+                continue
+            across = neighbors[beside, end]
+            if across < 0:
+                continue
+            residual, gx, gy, gz = _cell(
+                field, nx, ny, nz, beside, above, across, 0.5 * (side - 1.0), 0.5 * (end - 2.0)
+            )
+            squares += residual * residual
+            cx += residual * gx
+            cy += residual * gy
+            cz += residual * gz
+    return squares, cx, cy, cz
+
+
+@njit(inline="always")
+def _store_unit(field, p, nx, ny, nz):  # type: ignore[no-untyped-def]
+    """Write a vector of unit length; keep the old one if the new one vanishes."""
+    length = np.sqrt(nx * nx + ny * ny + nz * nz)
+    if length > 1e-12:
+        field[p, 0] = nx / length
+        field[p, 1] = ny / length
+        field[p, 2] = nz / length
+
+
+@njit(inline="always")
+def _store_tangent(out, p, gx, gy, gz, nx, ny, nz):  # type: ignore[no-untyped-def]
+    """Write the part of a gradient across n; with z = 0, without what would turn n away."""
+    along = gx * nx + gy * ny + gz * nz
+    gz -= along * nz
+    out[p, 0] = gx - along * nx
+    out[p, 1] = gy - along * ny
+    out[p, 2] = 0.0 if nz <= 0.0 and gz > 0.0 else gz
+
+
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})
-def relax(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's step, compiled as a whole
-    neighbors, start, direction, hold, target, lower, upper, weight, links, ties, change_weight, curl_weight, source,
-    field, backward, first, last,
+def sweep_change(  # type: ignore[no-untyped-def]
+    neighbors, start, direction, hold, target, lower, upper, weight, edge_weights, screening,
+    change_weight, curl_weight, tau, field, backward, first, last,
 ):  # fmt: skip
     """
     Turn one vector after the other to where its own energy is least, in place: a Gauss-Seidel sweep.
 
     One Newton step in the tangent plane, on the convex part of the energy's second derivatives; the interval counts if the
-    step would leave it. `source` (P, 3) is a linear term; `hold` and `target` (P,) are a quadratic one that pulls the
-    component to its target. They are empty where there is none.
+    step would leave it. See `Terms` for `hold`, `target` and `tau`.
     """
-    pulled, held = source.shape[0] > 0, hold.shape[0] > 0
+    corrected, held = tau.shape[0] > 0, hold.shape[0] > 0
     lx, ly, lz = direction[0], direction[1], direction[2]
     for i in range(first, last):
         p = first + last - 1 - i if backward else i
         nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
-        # The membrane: its pull, and the curvature that is alike in all directions.
-        stiffness = ties[p]
-        fx = fy = fz = 0.0
-        for k in range(4):
-            q = neighbors[p, k]
-            if q >= 0:
-                link = links[p, k]
-                stiffness += link
-                fx += link * (field[q, 0] - start[q, 0])
-                fy += link * (field[q, 1] - start[q, 1])
-                fz += link * (field[q, 2] - start[q, 2])
+        stiffness, fx, fy, fz = _poisson_pull(neighbors, start, edge_weights, screening, field, p)
         double = 2.0 * change_weight
         fx = double * (fx + stiffness * start[p, 0])
         fy = double * (fy + stiffness * start[p, 1])
         fz = double * (fz + stiffness * start[p, 2])
-        if pulled:
-            fx += source[p, 0]
-            fy += source[p, 1]
-            fz += source[p, 2]
+        if corrected:
+            fx += tau[p, 0]
+            fy += tau[p, 1]
+            fz += tau[p, 2]
         strength = np.sqrt(fx * fx + fy * fy + fz * fz)
         curvature = max(fx * nx + fy * ny + fz * nz, LEAST_CURVATURE * strength)
         # In the basis a = (1 - nx² share, -nx ny share, -nx), b = (-nx ny share, 1 - ny² share, -ny) of the tangent plane
         # (n looks at the viewer, so that 1 + nz >= 1) a vector g has the components
         # g·a = gx - tilt nx and g·b = gy - tilt ny with tilt = share (gx nx + gy ny) + gz.
         share = 1.0 / (1.0 + nz)
-        # Integrability: slope and Gauss-Newton curvature of the four cells around.
-        cx = cy = cz = haa = hab = hbb = 0.0
-        for side in range(0, 4, 2):
-            beside = neighbors[p, side]
-            if beside < 0:
-                continue
-            for end in range(1, 4, 2):
-                above = neighbors[p, end]
-                if above < 0:
-                    continue
-                across = neighbors[beside, end]
-                if across < 0:
-                    continue
-                residual, gx, gy, gz = _cell(
-                    field, nx, ny, nz, beside, above, across, 0.5 * (side - 1.0), 0.5 * (end - 2.0)
-                )
-                cx += residual * gx
-                cy += residual * gy
-                cz += residual * gz
-                tilt = share * (gx * nx + gy * ny) + gz
-                ga = gx - tilt * nx
-                gb = gy - tilt * ny
-                haa += ga * ga
-                hab += ga * gb
-                hbb += gb * gb
+        cx, cy, cz, haa, hab, hbb = _integrability_terms(neighbors, field, nx, ny, nz, share, p)
         double = 2.0 * curl_weight
         curvature = max(curvature - double * (cx * nx + cy * ny + cz * nz), LEAST_CURVATURE * curvature)
         haa = double * haa + curvature
@@ -114,96 +188,69 @@ def relax(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's step, 
         tilt = share * (lx * nx + ly * ny) + lz
         la, lb = lx - tilt * nx, ly - tilt * ny
         if held:
-            firm = 2.0 * hold[p]
-            ga += firm * (component - target[p]) * la
-            gb += firm * (component - target[p]) * lb
-            haa += firm * la * la
-            hab += firm * la * lb
-            hbb += firm * lb * lb
-        scale = 1.0 / (haa * hbb - hab * hab)
-        da = scale * (hab * gb - hbb * ga)
-        db = scale * (hab * ga - haa * gb)
+            ga, gb, haa, hab, hbb = _add_spring(
+                2.0 * hold[p], component - target[p], la, lb, ga, gb, haa, hab, hbb
+            )
+        da, db = _newton_step(ga, gb, haa, hab, hbb)
         after = component + la * da + lb * db
         if after < lower[p] or after > upper[p]:
             bound = lower[p] if after < lower[p] else upper[p]
-            firm = 2.0 * weight[p]
-            ga += firm * (component - bound) * la
-            gb += firm * (component - bound) * lb
-            haa += firm * la * la
-            hab += firm * la * lb
-            hbb += firm * lb * lb
-            scale = 1.0 / (haa * hbb - hab * hab)
-            da = scale * (hab * gb - hbb * ga)
-            db = scale * (hab * ga - haa * gb)
+            ga, gb, haa, hab, hbb = _add_spring(
+                2.0 * weight[p], component - bound, la, lb, ga, gb, haa, hab, hbb
+            )
+            da, db = _newton_step(ga, gb, haa, hab, hbb)
         down = nx * da + ny * db
         nx += da - share * down * nx
         ny += db - share * down * ny
         nz = max(nz - down, 0.0)
-        length = np.sqrt(nx * nx + ny * ny + nz * nz)
-        if length > 1e-12:
-            field[p, 0] = nx / length
-            field[p, 1] = ny / length
-            field[p, 2] = nz / length
+        _store_unit(field, p, nx, ny, nz)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})
-def value_and_gradient(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's share, compiled as a whole
-    neighbors, start, direction, hold, target, lower, upper, weight, links, ties, change_weight, curl_weight, source,
-    field, out, first, last,
+def value_and_gradient(  # type: ignore[no-untyped-def]
+    neighbors, start, direction, hold, target, lower, upper, weight, edge_weights, screening,
+    change_weight, curl_weight, tau, field, out, first, last,
 ):  # fmt: skip
     """
     Return the energy and write its gradient to `out` (P, 3), as far as unit vectors with z >= 0 may follow it.
 
     That is the part across each vector; one with z = 0 may not turn away.
     """
-    pulled, held = source.shape[0] > 0, hold.shape[0] > 0
+    corrected, held = tau.shape[0] > 0, hold.shape[0] > 0
     lx, ly, lz = direction[0], direction[1], direction[2]
     energy = 0.0
     for p in range(first, last):
         nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
         dx, dy, dz = nx - start[p, 0], ny - start[p, 1], nz - start[p, 2]
-        gx, gy, gz = ties[p] * dx, ties[p] * dy, ties[p] * dz
-        membrane = gx * dx + gy * dy + gz * dz
+        gx, gy, gz = screening[p] * dx, screening[p] * dy, screening[p] * dz
+        poisson = gx * dx + gy * dy + gz * dz
         for k in range(4):
             q = neighbors[p, k]
             if q >= 0:
-                link = links[p, k]
+                edge = edge_weights[p, k]
                 ex = dx - field[q, 0] + start[q, 0]
                 ey = dy - field[q, 1] + start[q, 1]
                 ez = dz - field[q, 2] + start[q, 2]
-                gx += link * ex
-                gy += link * ey
-                gz += link * ez
-                membrane += 0.5 * link * (ex * ex + ey * ey + ez * ez)
-        energy += change_weight * membrane
+                gx += edge * ex
+                gy += edge * ey
+                gz += edge * ez
+                poisson += 0.5 * edge * (ex * ex + ey * ey + ez * ez)
+        energy += change_weight * poisson
         double = 2.0 * change_weight
         gx *= double
         gy *= double
         gz *= double
-        if pulled:
-            energy -= source[p, 0] * nx + source[p, 1] * ny + source[p, 2] * nz
-            gx -= source[p, 0]
-            gy -= source[p, 1]
-            gz -= source[p, 2]
-        for side in range(0, 4, 2):
-            beside = neighbors[p, side]
-            if beside < 0:
-                continue
-            for end in range(1, 4, 2):
-                above = neighbors[p, end]
-                if above < 0:
-                    continue
-                across = neighbors[beside, end]
-                if across < 0:
-                    continue
-                residual, cx, cy, cz = _cell(
-                    field, nx, ny, nz, beside, above, across, 0.5 * (side - 1.0), 0.5 * (end - 2.0)
-                )
-                energy += 0.25 * curl_weight * residual * residual  # each cell is seen from its four corners
-                residual *= 2.0 * curl_weight
-                gx += residual * cx
-                gy += residual * cy
-                gz += residual * cz
+        if corrected:
+            energy -= tau[p, 0] * nx + tau[p, 1] * ny + tau[p, 2] * nz
+            gx -= tau[p, 0]
+            gy -= tau[p, 1]
+            gz -= tau[p, 2]
+        squares, cx, cy, cz = _integrability_gradient(neighbors, field, nx, ny, nz, p)
+        energy += 0.25 * curl_weight * squares  # each cell is seen from its four corners
+        double = 2.0 * curl_weight
+        gx += double * cx
+        gy += double * cy
+        gz += double * cz
         component = lx * nx + ly * ny + lz * nz
         excess = component - min(max(component, lower[p]), upper[p])
         energy += weight[p] * excess * excess
@@ -215,11 +262,7 @@ def value_and_gradient(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one p
         gx += pull * lx
         gy += pull * ly
         gz += pull * lz
-        along = gx * nx + gy * ny + gz * nz
-        gz -= along * nz
-        out[p, 0] = gx - along * nx
-        out[p, 1] = gy - along * ny
-        out[p, 2] = 0.0 if nz <= 0.0 and gz > 0.0 else gz
+        _store_tangent(out, p, gx, gy, gz, nx, ny, nz)
     return energy
 
 

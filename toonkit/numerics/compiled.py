@@ -17,19 +17,7 @@ _told: list[str] = []
 
 
 def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """
-    Compile a function when it is first called, or load it from the cache.
-
-    Parameters
-    ----------
-    **options
-        Those of `numba.njit`. `cache=True` asks for the cache.
-
-    Returns
-    -------
-    callable
-        Decorator.
-    """
+    """Return a decorator that compiles or loads a function on its first call; options are those of `numba.njit`."""
     cached = options.pop("cache", False)
 
     def declare(function: Callable[..., Any]) -> Any:

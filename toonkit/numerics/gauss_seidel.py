@@ -31,7 +31,7 @@ def over_relaxed_sweeps(
     Parameters
     ----------
     energy : SmoothnessEnergy
-        The energy, of the same weight on all pixels and with links of unit stiffness.
+        The energy, of the same weight on all pixels and with unit edge weights.
     relaxation : float
         Over-relaxation factor, 1 to 2.
     max_sweeps : int
@@ -71,7 +71,7 @@ class OverRelaxation:
     Parameters
     ----------
     energy : SmoothnessEnergy
-        The energy, of the same weight on all pixels and with links of unit stiffness.
+        The energy, of the same weight on all pixels and with unit edge weights.
     relaxation : float
         Over-relaxation factor, 1 to 2.
     """

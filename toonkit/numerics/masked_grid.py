@@ -1,4 +1,4 @@
-"""MaskedGrid: the object's pixels as a compact array, their neighbors, and difference operators.
+"""MaskedGrid: the object's pixels as a compact array, and their neighbors.
 
 The only place where fields cross between image form (H, W, ...) and compact form (P, ...), and where the row axis,
 which points down, meets the frame's y, which points up.
@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray
-from toonkit.numerics.bands import Bands
 from toonkit.numerics.compiled import njit
+from toonkit.numerics.parallel import RowChunks
 
 RIGHT, UP, LEFT, DOWN = 0, 1, 2, 3
 STEPS = ((0, 1), (-1, 0), (0, -1), (1, 0))
@@ -23,16 +23,16 @@ STEPS = ((0, 1), (-1, 0), (0, -1), (1, 0))
 
 OUTSIDE = -1
 
-STIFFNESS = 0.5
-"""Two links of length h become one of length 2 h between blocks: half the stiffness of their sum."""
+EDGE_SHARE = 0.5
+"""Two edges of length h become one of length 2 h between blocks, with half the sum of their weights."""
 
 IndexArray = NDArray[np.int32]
 
 Box = tuple[slice, slice]
 """Rows and columns."""
 
-Links = NDArray[np.float32]
-"""Stiffness of links, (P, 4), exact to seven digits: half the memory, and solvers read little else as often."""
+EdgeWeights = NDArray[np.float32]
+"""Weight of the edge from each pixel to each neighbor, (P, 4). Single precision: solvers read little else as often."""
 
 
 class MaskedGrid:
@@ -90,9 +90,9 @@ class MaskedGrid:
         return rim_mask(self.mask)[self.mask]
 
     @cached_property
-    def bands(self) -> Bands:
-        """The pixels cut into bands, for loops on all cores."""
-        return Bands.of(self.rows)
+    def chunks(self) -> RowChunks:
+        """The pixels cut into chunks of rows, for loops on all cores."""
+        return RowChunks.of(self.rows)
 
     def gather(self, image: NDArray[Any]) -> NDArray[Any]:
         """Image form (H, W, ...) to compact form (P, ...)."""
@@ -105,51 +105,8 @@ class MaskedGrid:
         image[self.mask] = compact
         return image
 
-    def differences(self, field: FloatArray) -> FloatArray:
-        """
-        Forward differences toward x (right) and y (up), zero where that neighbor is outside.
-
-        Parameters
-        ----------
-        field : ndarray, shape (P,)
-            A scalar field.
-
-        Returns
-        -------
-        ndarray, shape (P, 2)
-            Differences per pixel step.
-        """
-        result = np.zeros((self.size, 2))
-        for axis, direction in enumerate((RIGHT, UP)):
-            there = self.neighbors[:, direction]
-            linked = there != OUTSIDE
-            result[linked, axis] = field[there[linked]] - field[linked]
-        return result
-
-    def differences_adjoint(self, flow: FloatArray) -> FloatArray:
-        """Adjoint of `differences`: (P, 2) to (P,), minus the divergence of the flow."""
-        result = np.zeros(self.size)
-        for axis, direction in enumerate((RIGHT, UP)):
-            there = self.neighbors[:, direction]
-            linked = there != OUTSIDE
-            result[linked] -= flow[linked, axis]
-            result += block_sums(there[linked], flow[linked, axis], self.size)
-        return result
-
     def laplacian(self, field: FloatArray) -> FloatArray:
-        """
-        Sum over neighbors of (neighbor - pixel): no flow across the outline. It is its own adjoint.
-
-        Parameters
-        ----------
-        field : ndarray, shape (P, C)
-            A field of C components.
-
-        Returns
-        -------
-        ndarray, shape (P, C)
-            The 5-point Laplacian, per pixel step squared.
-        """
+        """Return the 5-point Laplacian of a field (P, C): no flow across the outline. It is its own adjoint."""
         result: FloatArray = _laplacian(self.neighbors, field)
         return result
 
@@ -161,15 +118,6 @@ class MaskedGrid:
         blocks = even.reshape(even.shape[0] // 2, 2, even.shape[1] // 2, 2)
         coarse = MaskedGrid(np.asarray(blocks.any(axis=(1, 3))))
         return Coarsening(self, coarse, coarse.index[self.rows // 2, self.columns // 2])
-
-    def coarsenings(self, size: int) -> list[Coarsening]:
-        """Return the way to a grid of so many pixels at most, fine to coarse."""
-        steps: list[Coarsening] = []
-        grid = self
-        while grid.size > size:
-            steps.append(grid.coarsening)
-            grid = grid.coarsening.coarse
-        return steps
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,39 +137,27 @@ class Coarsening:
     coarse: MaskedGrid
     parent: IndexArray
 
-    def sums(self, values: FloatArray) -> FloatArray:
+    def sum_blocks(self, values: FloatArray) -> FloatArray:
         """Sum values, (P,) or (P, C), over each block, in their own precision."""
         columns = values.reshape(len(values), -1)
         sums = np.zeros((self.coarse.size, columns.shape[1]), columns.dtype)
-        self.fine.bands.run(_add_to_blocks, self.parent, columns, sums)
+        self.fine.chunks.run(_add_to_blocks, self.parent, columns, sums)
         return sums.reshape(-1, *values.shape[1:])
 
-    def links(self, links: Links) -> Links:
-        """Stiffness (P, 4) of links between pixels to that of links between blocks."""
+    def coarsen_edge_weights(self, edge_weights: EdgeWeights) -> EdgeWeights:
+        """Return the weights (P, 4) of the edges between blocks, from those between pixels."""
         fine, stiffness = self.fine, np.zeros((self.coarse.size, 4), np.float32)
-        fine.bands.run(_add_crossing, fine.rows, fine.columns, self.parent, links, stiffness)
+        fine.chunks.run(_add_crossing, fine.rows, fine.columns, self.parent, edge_weights, stiffness)
         return stiffness
 
-    def interpolated(self, field: FloatArray, out: FloatArray, *, adding: bool = False) -> FloatArray:
+    def interpolate(self, field: FloatArray, out: FloatArray, *, adding: bool = False) -> FloatArray:
         """
-        Interpolate a coarse field, linearly between block centers, at the fine pixels.
+        Interpolate a coarse field (coarse size, C) linearly between block centers, and write it, or add it, to `out` (P, C).
 
-        Parameters
-        ----------
-        field : ndarray, shape (coarse size, C)
-            The field.
-        out : ndarray, shape (P, C)
-            Overwritten with the result.
-        adding : bool, optional
-            Add the result to what `out` holds instead.
-
-        Returns
-        -------
-        ndarray, shape (P, C)
-            `out`. Of blocks that are missing the pixel's own stands in.
+        Where a block is missing, the pixel's own stands in.
         """
         fine = self.fine
-        fine.bands.run(
+        fine.chunks.run(
             _interpolate, fine.rows, fine.columns, self.parent, self.coarse.neighbors, field, out, adding
         )
         return out
@@ -266,11 +202,11 @@ def _add_to_blocks(parent, values, sums, first, last):  # type: ignore[no-untype
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _add_crossing(rows, columns, parent, links, stiffness, first, last):  # type: ignore[no-untyped-def]
+def _add_crossing(rows, columns, parent, edge_weights, stiffness, first, last):  # type: ignore[no-untyped-def]
     for p in range(first, last):
         along, up_or_down = 0 if columns[p] & 1 else 2, 3 if rows[p] & 1 else 1  # where the block ends
-        stiffness[parent[p], along] += STIFFNESS * links[p, along]
-        stiffness[parent[p], up_or_down] += STIFFNESS * links[p, up_or_down]
+        stiffness[parent[p], along] += EDGE_SHARE * edge_weights[p, along]
+        stiffness[parent[p], up_or_down] += EDGE_SHARE * edge_weights[p, up_or_down]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -1,6 +1,6 @@
 """Compiled pixel loops of `SmoothnessEnergy`: one file, because Numba invalidates a cache only when its own file changes.
 
-Each of them works on the pixels first to last of a grid and writes to those alone, so that bands can run in parallel.
+Each of them works on the pixels first to last of a grid and writes to those alone: chunks of rows can run in parallel.
 """
 
 from __future__ import annotations
@@ -17,31 +17,60 @@ RELAXATION = 1.3
 
 
 @njit(inline="always")
-def _turn(neighbors, links, field, p):  # type: ignore[no-untyped-def]
-    """Return the Laplacian at p, and the sum of its links."""
+def _turn(neighbors, edge_weights, field, p):  # type: ignore[no-untyped-def]
+    """Return the Laplacian at p, and the sum of its edge weights."""
     x = y = z = total = 0.0
     nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
     for k in range(4):
         q = neighbors[p, k]
         if q >= 0:
-            link = links[p, k]
-            total += link
-            x += link * (field[q, 0] - nx)
-            y += link * (field[q, 1] - ny)
-            z += link * (field[q, 2] - nz)
+            edge = edge_weights[p, k]
+            total += edge
+            x += edge * (field[q, 0] - nx)
+            y += edge * (field[q, 1] - ny)
+            z += edge * (field[q, 2] - nz)
     return x, y, z, total
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})
-def laplacian(neighbors, links, field, out, first, last):  # type: ignore[no-untyped-def]
+def laplacian(neighbors, edge_weights, field, out, first, last):  # type: ignore[no-untyped-def]
     """Write the Laplacian of a field (P, 3)."""
     for p in range(first, last):
-        out[p, 0], out[p, 1], out[p, 2], _ = _turn(neighbors, links, field, p)
+        out[p, 0], out[p, 1], out[p, 2], _ = _turn(neighbors, edge_weights, field, p)
+
+
+@njit(inline="always")
+def _bend(neighbors, edge_weights, areas, field, p):  # type: ignore[no-untyped-def]
+    """Return half the gradient of the squared Laplacian with respect to the vector at p, and its curvature."""
+    tx, ty, tz, total = _turn(neighbors, edge_weights, field, p)
+    share = total / areas[p]
+    gx, gy, gz = -share * tx, -share * ty, -share * tz
+    stiffness = share * total
+    for k in range(4):
+        q = neighbors[p, k]
+        if q >= 0:
+            share = edge_weights[p, k] / areas[q]
+            tx, ty, tz, _ = _turn(neighbors, edge_weights, field, q)
+            gx += share * tx
+            gy += share * ty
+            gz += share * tz
+            stiffness += share * edge_weights[p, k]
+    return gx, gy, gz, stiffness
+
+
+@njit(inline="always")
+def _store_unit(field, p, nx, ny, nz):  # type: ignore[no-untyped-def]
+    """Write a vector of unit length; keep the old one if the new one vanishes."""
+    length = np.sqrt(nx * nx + ny * ny + nz * nz)
+    if length > 1e-12:
+        field[p, 0] = nx / length
+        field[p, 1] = ny / length
+        field[p, 2] = nz / length
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})
-def relax_smooth(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's step, compiled as a whole
-    neighbors, links, areas, direction, hold, target, lower, upper, weight, smoothness, source,
+def sweep_smooth(  # type: ignore[no-untyped-def]
+    neighbors, edge_weights, areas, direction, hold, target, lower, upper, weight, smoothness, tau,
     field, backward, first, last,
 ):  # fmt: skip
     """
@@ -50,33 +79,21 @@ def relax_smooth(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's
     One Newton step in the tangent plane: the curvature of the Laplacian's square is alike in all directions, so that the
     interval's adds to it along one alone. The interval counts if the step would leave it.
     """
-    pulled, held = source.shape[0] > 0, hold.shape[0] > 0
+    corrected, held = tau.shape[0] > 0, hold.shape[0] > 0
     lx, ly, lz = direction
     for i in range(first, last):
         p = first + last - 1 - i if backward else i
         nx, ny, nz = field[p, 0], field[p, 1], field[p, 2]
-        tx, ty, tz, total = _turn(neighbors, links, field, p)
-        share = total / areas[p]
-        gx, gy, gz = -share * tx, -share * ty, -share * tz
-        stiffness = share * total
-        for k in range(4):
-            q = neighbors[p, k]
-            if q >= 0:
-                share = links[p, k] / areas[q]
-                tx, ty, tz, _ = _turn(neighbors, links, field, q)
-                gx += share * tx
-                gy += share * ty
-                gz += share * tz
-                stiffness += share * links[p, k]
+        gx, gy, gz, stiffness = _bend(neighbors, edge_weights, areas, field, p)
         # The pull: where the energy without the interval would be least for a vector of any length.
         double = 2.0 * smoothness
         fx = double * (stiffness * nx - gx)
         fy = double * (stiffness * ny - gy)
         fz = double * (stiffness * nz - gz)
-        if pulled:
-            fx += source[p, 0]
-            fy += source[p, 1]
-            fz += source[p, 2]
+        if corrected:
+            fx += tau[p, 0]
+            fy += tau[p, 1]
+            fz += tau[p, 2]
         along = fx * nx + fy * ny + fz * nz
         curvature = max(along, LEAST_CURVATURE * np.sqrt(fx * fx + fy * fy + fz * fz))
         if curvature <= 0.0:
@@ -101,16 +118,12 @@ def relax_smooth(  # type: ignore[no-untyped-def]  # noqa: PLR0915 - one pixel's
         nx -= RELAXATION * (gx / curvature + less * ax)
         ny -= RELAXATION * (gy / curvature + less * ay)
         nz = max(nz - RELAXATION * (gz / curvature + less * az), 0.0)
-        length = np.sqrt(nx * nx + ny * ny + nz * nz)
-        if length > 1e-12:
-            field[p, 0] = nx / length
-            field[p, 1] = ny / length
-            field[p, 2] = nz / length
+        _store_unit(field, p, nx, ny, nz)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp"})
 def smooth_value_and_gradient(  # type: ignore[no-untyped-def]
-    neighbors, links, areas, direction, hold, target, lower, upper, weight, smoothness, source,
+    neighbors, edge_weights, areas, direction, hold, target, lower, upper, weight, smoothness, tau,
     field, turns, out, first, last,
 ):  # fmt: skip
     """
@@ -118,7 +131,7 @@ def smooth_value_and_gradient(  # type: ignore[no-untyped-def]
 
     That is the part across each vector; one on the visible side's edge may not turn away. `turns` (P, 3) is the Laplacian.
     """
-    pulled, held = source.shape[0] > 0, hold.shape[0] > 0
+    corrected, held = tau.shape[0] > 0, hold.shape[0] > 0
     lx, ly, lz = direction
     energy = 0.0
     for p in range(first, last):
@@ -129,18 +142,18 @@ def smooth_value_and_gradient(  # type: ignore[no-untyped-def]
         for k in range(4):
             q = neighbors[p, k]
             if q >= 0:
-                link, area = links[p, k], areas[q]
-                gx += link * (turns[q, 0] / area - tx)
-                gy += link * (turns[q, 1] / area - ty)
-                gz += link * (turns[q, 2] / area - tz)
+                edge, area = edge_weights[p, k], areas[q]
+                gx += edge * (turns[q, 0] / area - tx)
+                gy += edge * (turns[q, 1] / area - ty)
+                gz += edge * (turns[q, 2] / area - tz)
         gx *= 2.0 * smoothness
         gy *= 2.0 * smoothness
         gz *= 2.0 * smoothness
-        if pulled:
-            energy -= source[p, 0] * nx + source[p, 1] * ny + source[p, 2] * nz
-            gx -= source[p, 0]
-            gy -= source[p, 1]
-            gz -= source[p, 2]
+        if corrected:
+            energy -= tau[p, 0] * nx + tau[p, 1] * ny + tau[p, 2] * nz
+            gx -= tau[p, 0]
+            gy -= tau[p, 1]
+            gz -= tau[p, 2]
         component = lx * nx + ly * ny + lz * nz
         excess = component - min(max(component, lower[p]), upper[p])
         energy += weight[p] * excess * excess

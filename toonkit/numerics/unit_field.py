@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from toonkit.numerics.bands import inner
+from toonkit.numerics.parallel import inner_product
 from toonkit.numerics.report import SolverReport
-from toonkit.numerics.unit_field_cycle import Level, correct, from_coarser_grids
-from toonkit.numerics.unit_vectors import Stored, UnitVectorEnergy, moved
+from toonkit.numerics.unit_field_cycle import Level, correct, iterate_nested
+from toonkit.numerics.unit_vectors import Stored, UnitVectorEnergy, add_and_normalize
 
 LEVEL, TRIALS = 0.3, 4
 """Share of the first slope that is left where a step is long enough, and how many lengths are tried."""
@@ -35,7 +35,7 @@ def solve_unit_field(
     problem : UnitVectorEnergy
         What is minimized.
     guess : ndarray, shape (P, 3), optional
-        Unit vectors near the answer, such as the answer to a problem like this one; the start by default.
+        Unit vectors near the answer; the start by default.
     tolerance : float, optional
         Relative decrease of the energy in one cycle below which nothing is left to gain.
     negligible : float, optional
@@ -54,34 +54,13 @@ def solve_unit_field(
 
     Notes
     -----
-    A cycle is a V-cycle of the full approximation scheme [1]_, see `toonkit.numerics.unit_field_cycle`. On the finest grid,
-    whose gradient is known, nothing is relaxed before: that would take a third of the time and gain less where a few cycles
-    are enough. Its correction preconditions nonlinear conjugate gradients, whose step is the exact one of a parabola. The
-    energy never rises above that of the start.
-
-    References
-    ----------
-    .. [1] A. Brandt, "Multi-level adaptive solutions to boundary-value problems", Math. Comp. 31 (1977),
-       doi:10.1090/S0025-5718-1977-0431719-X
+    A V-cycle (`toonkit.numerics.unit_field_cycle`) preconditions nonlinear conjugate gradients. On the finest grid there is
+    no sweep before the cycle: it would take a third of the time and gain less.
     """
-    tell = progress if progress is not None else _ignored
+    tell = progress if progress is not None else _ignore_progress
     finest = Level.finest(problem)
-    kind = problem.start.dtype
-    near = problem.start
-    if guess is not None:
-        near = moved(problem.grid, *2 * (guess.astype(kind, copy=False),))
-    starts = [problem.start, from_coarser_grids(finest, near)]
-    gradients = np.empty((2, *problem.start.shape), kind)
-    energies = [
-        problem.value_and_gradient(problem.posed, *pair) for pair in zip(starts, gradients, strict=True)
-    ]
-    best = int(np.argmin(energies))
-    energies[1] = energies[best]
+    descent, energies = _start_descent(finest, guess)
     tell(0.2)
-    field = starts[1]
-    if best == 0:
-        field[:] = problem.start
-    descent = _Descent(finest, field, gradients[best], gradients[1 - best], energies[1])
     gained = True
     while gained and len(energies) - 2 < max_cycles:
         descent.advance()
@@ -94,6 +73,26 @@ def solve_unit_field(
     lost = (energies[-2] - energies[-1]) / max(energies[-2], np.finfo(np.float64).tiny)
     reason = "the cycle limit was reached" if gained else f"a cycle lowered the energy by {lost:.1g} of it"
     return descent.field, SolverReport(cycles, np.array(energies), reason, converged=not gained)
+
+
+def _start_descent(finest: Level, guess: Stored | None) -> tuple[_Descent, list[float]]:
+    """Start where the energy is lower, and return the energies of the problem's start and of that place."""
+    problem = finest.problem
+    kind = problem.start.dtype
+    near = problem.start
+    if guess is not None:
+        near = add_and_normalize(problem.grid, *2 * (guess.astype(kind, copy=False),))
+    starts = [problem.start, iterate_nested(finest, near)]
+    gradients = np.empty((2, *problem.start.shape), kind)
+    energies = [
+        problem.value_and_gradient(problem.terms, *pair) for pair in zip(starts, gradients, strict=True)
+    ]
+    best = int(np.argmin(energies))
+    field = starts[1]
+    if best == 0:
+        field[:] = problem.start
+    descent = _Descent(finest, field, gradients[best], gradients[1 - best], energies[best])
+    return descent, [energies[0], energies[best]]
 
 
 class _Descent:
@@ -111,16 +110,16 @@ class _Descent:
         finest = self.finest
         improved = self._trial
         improved[:] = self.field
-        correct(finest, finest.problem.posed, improved, self.gradient, self.energy)
-        step = np.subtract(improved, self.field, out=finest.room("slopes"))
-        along = inner(self.gradient, step)
+        correct(finest, finest.problem.terms, improved, self.gradient, self.energy)
+        step = np.subtract(improved, self.field, out=finest.workspace("slopes"))
+        along = inner_product(self.gradient, step)
         first = along
         if self._step is not None:
             # Polak and Ribière's share of the last step: none if the two gradients have nothing to do with each other.
-            share = max((along - inner(self._gradient_before, step)) / self._slope_before, 0.0)
+            share = max((along - inner_product(self._gradient_before, step)) / self._slope_before, 0.0)
             self._step *= share
             self._step += step
-            along = inner(self.gradient, self._step)
+            along = inner_product(self.gradient, self._step)
             if along < 0.0:
                 step = self._step
             else:
@@ -129,16 +128,16 @@ class _Descent:
             return
         trial, slopes = improved, self._gradient_before
 
-        def tried(length: float) -> float:
-            finest.retracted(self.field, step, length, trial)
-            return finest.problem.value_and_gradient(finest.problem.posed, trial, slopes)
+        def evaluate(length: float) -> float:
+            finest.retract(self.field, step, length, trial)
+            return finest.problem.value_and_gradient(finest.problem.terms, trial, slopes)
 
         length, best, lowest = 1.0, 0.0, self.energy
         for _ in range(TRIALS):
-            last, energy = length, tried(length)
+            last, energy = length, evaluate(length)
             if energy < lowest:
                 best, lowest = length, energy
-            now = inner(slopes, step)
+            now = inner_product(slopes, step)
             if energy < self.energy and abs(now) <= LEVEL * -along:
                 break
             # Where a parabola through both slopes is level; half the length where there is none or it did not help.
@@ -148,7 +147,7 @@ class _Descent:
         if best == 0.0:
             return
         if last != best:
-            tried(best)
+            evaluate(best)
         self._gradient_before, self.gradient = self.gradient, slopes
         if step is not self._step:
             finest.exchange("slopes", self._step)
@@ -157,5 +156,5 @@ class _Descent:
         self.field, self._trial, self.energy = trial, self.field, lowest
 
 
-def _ignored(_fraction: float) -> None:
+def _ignore_progress(_fraction: float) -> None:
     """Stand in for a progress callable."""

@@ -1,4 +1,4 @@
-"""Measure cells of a study on a dask cluster, either a local one or a running one."""
+"""Measure batches of a study on a dask cluster, either a local one or a running one."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from multiprocessing import get_context
 from typing import Any
 
 from toonkit._validation import ToonkitError, refuse
-from toonkit.study.cells import Cell, Outcome, measure, rendered_or_error
+from toonkit.study.batches import Batch, Outcome, measure, try_to_render
 from toonkit.study.provenance import installed_toonkit
 from toonkit.study.record_store import LOST
-from toonkit.study.trials import Record
+from toonkit.study.records import Record
 
 CONNECT_SECONDS = 20
 """How long to look for a scheduler."""
@@ -50,24 +50,24 @@ def worker_count(workers: int | None) -> int:
     return int(CPU_COUNT)
 
 
-def measured_there(
-    cells: Sequence[Cell], *, workers: int | None, scheduler: str | None
+def measure_on_cluster(
+    batches: Sequence[Batch], *, workers: int | None, scheduler: str | None
 ) -> Generator[Outcome, None, None]:
     """
-    Measure cells on a cluster, and yield outcomes as they are done.
+    Measure batches on a cluster, and yield outcomes as they are done.
 
-    If its worker died, or there was none, a cell is measured again on this machine, with each trial in a process of its
-    own. Only a trial that ends its process then fails, not the other trials of its cell or of others.
+    If its worker died, or there was none, a batch is measured again on this machine, with each trial in a process of its
+    own. Only a trial that ends its process then fails, not the other trials of its batch or of others.
     """
     if scheduler is not None:
-        # Each cell names the version of toonkit that may measure it, so workers that join later are checked, too.
-        cells = [replace(cell, toonkit=installed_toonkit()) for cell in cells]
-    with cluster_client(workers, scheduler, len(cells)) as client:
-        suspects: list[Cell] = []
-        yield from _all_at_once(cells, client, suspects)
-        for cell in suspects:
-            for one in cell.one_by_one():
-                yield from _alone(one)
+        # Each batch names the version of toonkit that may measure it, so workers that join later are checked, too.
+        batches = [replace(batch, toonkit=installed_toonkit()) for batch in batches]
+    with cluster_client(workers, scheduler, len(batches)) as client:
+        suspects: list[Batch] = []
+        yield from _submit_all(batches, client, suspects)
+        for batch in suspects:
+            for one in batch.split():
+                yield from _measure_alone(one)
 
 
 @contextmanager
@@ -130,31 +130,33 @@ def _refuse_other_toonkit(client: Any, scheduler: str) -> None:
             )
 
 
-def _all_at_once(cells: Sequence[Cell], client: Any, suspects: list[Cell]) -> Iterator[Outcome]:
-    """Submit all cells in the order of their shapes; collect those whose worker died."""
+def _submit_all(batches: Sequence[Batch], client: Any, suspects: list[Batch]) -> Iterator[Outcome]:
+    """Submit all batches in the order of their shapes; collect those whose worker died."""
     truths: dict[int, Any] = {}
-    waiting: dict[Any, Cell] = {}
-    for order, cell in enumerate(cells):
-        subject = id(cell.subject)
-        if subject not in truths:
-            truths[subject] = client.submit(
-                rendered_or_error, cell.subject, cell.settings.size, pure=False, priority=-order
+    waiting: dict[Any, Batch] = {}
+    for order, batch in enumerate(batches):
+        scene = id(batch.scene)
+        if scene not in truths:
+            truths[scene] = client.submit(
+                try_to_render, batch.scene, batch.settings.size, pure=False, priority=-order
             )
-        future = client.submit(measure, truths[subject], _without_subject(cell), pure=False, priority=-order)
-        waiting[future] = cell
-    truths.clear()  # a rendered shape is forgotten as soon as its last cell is done
-    for future in as_they_come(waiting, client):
-        cell = waiting.pop(future)
+        future = client.submit(measure, truths[scene], _without_scene(batch), pure=False, priority=-order)
+        waiting[future] = batch
+    truths.clear()  # a rendered shape is forgotten as soon as its last batch is done
+    for future in yield_done(waiting, client):
+        batch = waiting.pop(future)
         if future.status == "finished":
-            yield from zip(cell.trials, future.result(), strict=True)
-        elif _lost(future):
-            suspects.append(cell)
+            yield from zip(batch.trials, future.result(), strict=True)
+        elif _has_lost_worker(future):
+            suspects.append(batch)
         else:
-            raise _ended(future, len(cell.trials) + sum(len(other.trials) for other in waiting.values()))
+            raise _study_error(
+                future, len(batch.trials) + sum(len(other.trials) for other in waiting.values())
+            )
     suspects.extend(waiting.values())
 
 
-def as_they_come(waiting: dict[Any, Any], client: Any) -> Iterator[Any]:
+def yield_done(waiting: dict[Any, Any], client: Any) -> Iterator[Any]:
     """Yield futures as they are done; stop if there has been no worker for `NO_WORKER_SECONDS`."""
     looked = deserted = time.monotonic()
     while waiting:
@@ -180,35 +182,35 @@ def _has_workers(client: Any) -> bool:
         return True
 
 
-def _alone(cell: Cell) -> Iterator[Outcome]:
-    """Measure a cell in a process of its own on this machine. If the process dies, the cell is to blame."""
+def _measure_alone(batch: Batch) -> Iterator[Outcome]:
+    """Measure a batch in a process of its own on this machine. If the process dies, the batch is to blame."""
     import cloudpickle  # noqa: PLC0415
 
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as process:
         try:
-            records = process.submit(_measure_pickled, cloudpickle.dumps(cell)).result()
+            records = process.submit(_measure_pickled, cloudpickle.dumps(batch)).result()
         except BrokenProcessPool:
-            records = cell.failed(f"{LOST}its process ended each time that this trial ran in it")
-    yield from zip(cell.trials, records, strict=True)
+            records = batch.fail(f"{LOST}its process ended each time that this trial ran in it")
+    yield from zip(batch.trials, records, strict=True)
 
 
 def _measure_pickled(content: bytes) -> list[Record]:
-    cell: Cell = pickle.loads(content)
-    return measure(rendered_or_error(cell.subject, cell.settings.size), cell)
+    batch: Batch = pickle.loads(content)
+    return measure(try_to_render(batch.scene, batch.settings.size), batch)
 
 
-def _without_subject(cell: Cell) -> Cell:
-    """Return a cell without its subject, which may be large and has been rendered."""
-    return replace(cell, subject=None)
+def _without_scene(batch: Batch) -> Batch:
+    """Return a batch without its scene, which may be large and has been rendered."""
+    return replace(batch, scene=None)
 
 
-def _lost(future: Any) -> bool:
+def _has_lost_worker(future: Any) -> bool:
     from distributed import KilledWorker  # noqa: PLC0415
 
     return future.status == "error" and isinstance(future.exception(), KilledWorker)
 
 
-def _ended(future: Any, left: int) -> ToonkitError:
+def _study_error(future: Any, left: int) -> ToonkitError:
     """Return the error for a study that cannot go on now."""
     if future.status != "error":
         return ToonkitError(

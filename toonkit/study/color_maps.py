@@ -39,6 +39,11 @@ class Ramp:
     steps: tuple[tuple[float, float], ...]
     tags: tuple[str, ...]
 
+    @property
+    def softness(self) -> float:
+        """Mean width of the steps between its tones, in illumination."""
+        return float(np.mean([width for _, width in self.steps])) if self.steps else 0.0
+
     def color_map(self) -> ColorMap:
         """Return the ramp as a `ColorMap` over -1..1, with smooth steps between its tones, mixed as light is."""
         illumination = np.linspace(-1.0, 1.0, SAMPLES)

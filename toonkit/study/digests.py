@@ -10,7 +10,7 @@ import numpy as np
 
 from toonkit.model.color_map import ColorMap
 from toonkit.study.registry import BOUND, Shape
-from toonkit.study.subjects import Subject
+from toonkit.study.scenes import Scene
 
 NETWORKS_USED: dict[str, tuple[str, ...]] = {
     "toonkit": ("shape_prior",),
@@ -22,14 +22,14 @@ method may use all of them."""
 _PROBES = np.random.default_rng(0).uniform(-BOUND, BOUND, (4096, 3))
 
 
-def subject_digest(subject: Subject) -> str:
-    """Return a digest of a subject: its distances at fixed points or its triangles, and its view."""
-    digest = hashlib.sha256(repr(subject.view).encode())
-    if isinstance(subject, Shape):
-        digest.update(np.round(subject.distance(_PROBES), 9).tobytes())
+def scene_digest(scene: Scene) -> str:
+    """Return a digest of a scene: its distances at fixed points or its triangles, and its view."""
+    digest = hashlib.sha256(repr(scene.view).encode())
+    if isinstance(scene, Shape):
+        digest.update(np.round(scene.distance(_PROBES), 9).tobytes())
     else:
-        digest.update(np.ascontiguousarray(subject.mesh.vertices, dtype=np.float64).tobytes())
-        digest.update(np.ascontiguousarray(subject.mesh.faces, dtype=np.int64).tobytes())
+        digest.update(np.ascontiguousarray(scene.mesh.vertices, dtype=np.float64).tobytes())
+        digest.update(np.ascontiguousarray(scene.mesh.faces, dtype=np.int64).tobytes())
     return digest.hexdigest()
 
 

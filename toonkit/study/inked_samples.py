@@ -17,7 +17,7 @@ from toonkit.synthetic.model import Model, Part
 from toonkit.synthetic.painting import Highlights, Painter
 from toonkit.synthetic.palette import tone_ramp
 from toonkit.synthetic.primitives import rotation
-from toonkit.synthetic.samples import sample_model
+from toonkit.synthetic.surface_samples import sample_model
 
 EDGES = {1: (), 2: (0.32,), 3: (0.12, 0.72)}
 """Illuminations at which the steps of a material lie, by its number of tones."""
@@ -58,7 +58,7 @@ class Tones:
 
 
 @dataclass(frozen=True)
-class Subject:
+class SampleScene:
     """
     What an inked sample shows.
 
@@ -87,13 +87,13 @@ class Subject:
         return Model(self.parts(), dict.fromkeys(self.tones, "any"), view)
 
 
-def draw_subject(subject: Subject, light: FloatArray, *, size: int) -> DrawnScene:
+def draw_sample_scene(scene: SampleScene, light: FloatArray, *, size: int) -> DrawnScene:
     """
-    Draw a subject.
+    Draw a scene.
 
     Parameters
     ----------
-    subject : Subject
+    scene : SampleScene
         What to draw.
     light : ndarray, shape (3,)
         Unit vector from the surface to the light.
@@ -105,13 +105,13 @@ def draw_subject(subject: Subject, light: FloatArray, *, size: int) -> DrawnScen
     DrawnScene
         The drawing and its truth.
     """
-    model = subject.model()
+    model = scene.model()
     samples = sample_model(model, size)
-    tones = [subject.tones[name] for name in samples.names]
+    tones = [scene.tones[name] for name in samples.names]
     glossy = np.array([one.glossy for one in tones])
     shine = Highlights(glossy, float(np.cos(np.deg2rad(SHINE))), np.ones(3), opacity=0.9)
     painter = Painter(samples, model, tuple(one.color_map() for one in tones), shine, shadow_tint=None)
-    color = np.tile(_srgb(subject.ink), (len(samples.pixel), 1))
+    color = np.tile(_srgb(scene.ink), (len(samples.pixel), 1))
     ink = draw_ink(samples, HAND, color, np.random.default_rng(0))
     return compose_scene("sample", painter, ink, light)
 

@@ -13,7 +13,7 @@ class Measure:
     Attributes
     ----------
     column : str
-        Field of `toonkit.study.trials.Record`.
+        Field of `toonkit.study.records.Record`.
     label : str
         What it is called in tables and figures.
     unit : str

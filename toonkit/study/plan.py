@@ -12,11 +12,12 @@ from toonkit._validation import expand_home, refuse
 from toonkit.export.atomic import PathLike
 from toonkit.model.color_map import ColorMap
 from toonkit.study.color_maps import load_color_maps
-from toonkit.study.contestants import Contestant, contestants
-from toonkit.study.digests import color_map_digest, file_digest, subject_digest, weights_digests
+from toonkit.study.digests import color_map_digest, file_digest, scene_digest, weights_digests
+from toonkit.study.estimators import Estimator, list_estimators
+from toonkit.study.painting import StudySettings
+from toonkit.study.records import LIGHT_TRACKS, LightTrack, Trial
+from toonkit.study.scenes import MeshShape, Scene
 from toonkit.study.shapes import SHAPES
-from toonkit.study.subjects import MeshShape, Subject
-from toonkit.study.trials import LIGHT_TRACKS, LightTrack, StudySettings, Trial
 
 Named = TypeVar("Named")
 
@@ -30,12 +31,12 @@ class StudyPlan:
 
     Attributes
     ----------
-    subjects : dict
+    scenes : dict
         Shapes and meshes by name.
     color_maps : dict
         Color maps by name.
     methods : dict
-        Contestants by name.
+        Estimators by name.
     light_tracks : tuple of str
         Of "given" and "estimated".
     settings : StudySettings
@@ -44,25 +45,25 @@ class StudyPlan:
         Files of the user's own that define some of the methods, by method.
     """
 
-    subjects: dict[str, Subject]
+    scenes: dict[str, Scene]
     color_maps: dict[str, ColorMap]
-    methods: dict[str, Contestant]
+    methods: dict[str, Estimator]
     light_tracks: tuple[LightTrack, ...] = ("given",)
     settings: StudySettings = field(default_factory=StudySettings)
     method_files: dict[str, Path] = field(default_factory=dict)
 
-    def cells(self) -> list[list[Trial]]:
+    def batches(self) -> list[list[Trial]]:
         """Return the trials, those of one shape and one color map together: they share a painting."""
         return [
             [Trial(shape, color_map, method, track) for track in self.light_tracks for method in self.methods]
-            for shape in self.subjects
+            for shape in self.scenes
             for color_map in self.color_maps
         ]
 
     def digests(self) -> dict[str, dict[str, str | None]]:
         """Return digests of the trials' inputs and of the network weights; toonkit's own code is not among them."""
         return {
-            "shape": {name: subject_digest(subject) for name, subject in self.subjects.items()},
+            "shape": {name: scene_digest(scene) for name, scene in self.scenes.items()},
             "color_map": {name: color_map_digest(value) for name, value in self.color_maps.items()},
             "method_file": {
                 name: file_digest(self.method_files[name]) if name in self.method_files else None
@@ -100,8 +101,7 @@ def plan_study(
     settings : StudySettings, optional
         Size and lights.
     method_files : mapping, optional
-        Files of your own that define methods, by method. When such a file has changed, the trials of its methods are run
-        again. Names that are not among the methods are ignored.
+        Files that define methods, by method; when one has changed, its trials are run again. Other names are ignored.
 
     Returns
     -------
@@ -111,53 +111,66 @@ def plan_study(
     Raises
     ------
     ToonkitError
-        If a name is unknown, occurs twice or cannot name a file, if the file of a method is missing, or if there is
-        nothing to compare.
+        If a name is unknown, occurs twice or cannot name a file, a file is missing, or there is nothing to compare.
 
     Examples
     --------
     >>> plan = plan_study(shapes=["cat", "torus"], color_maps=["terracotta"], methods=["todo", "flat"])
-    >>> len(plan.cells()), len(plan.cells()[0])
+    >>> len(plan.batches()), len(plan.batches()[0])
     (2, 2)
     """
-    if shapes is None:
-        shapes = () if meshes else SHAPES
-    subjects: dict[str, Subject] = dict(_chosen("shapes", shapes, SHAPES))
-    for mesh in meshes:
-        # A hand.obj is not the study's hand: their records must not replace each other.
-        name = f"{mesh.name}_mesh" if mesh.name in SHAPES else mesh.name
-        if name in subjects:
-            raise refuse("meshes", "must have names of their own", f"{name!r} twice")
-        subjects[name] = replace(mesh, name=name)
-    known = load_color_maps()
-    if isinstance(color_maps, Mapping):
-        taken = [name for name, value in color_maps.items() if known.get(name, value) is not value]
-        if taken:
-            raise refuse(
-                "color_maps", "must have names of their own", f"{taken[0]!r}, which is one of the study's"
-            )
-        maps = dict(color_maps)
-    else:
-        maps = _chosen("color_maps", known if color_maps is None else color_maps, known)
-    known_methods = contestants()
-    chosen_methods = _chosen("methods", known_methods if methods is None else methods, known_methods)
-    tracks: dict[str, LightTrack] = _chosen(
+    chosen = _choose("methods", methods, list_estimators())
+    tracks: dict[str, LightTrack] = _choose(
         "light_tracks", light_tracks, {track: track for track in LIGHT_TRACKS}
     )
-    own_files = {
-        name: expand_home(file) for name, file in (method_files or {}).items() if name in chosen_methods
-    }
-    missing = [file for file in own_files.values() if not file.is_file()]
-    if missing:
-        raise refuse("method_files", "must be files", f"{missing[0]}")
     plan = StudyPlan(
-        subjects, maps, chosen_methods, tuple(tracks.values()), settings or StudySettings(), own_files
+        _choose_scenes(shapes, meshes),
+        _choose_color_maps(color_maps),
+        chosen,
+        tuple(tracks.values()),
+        settings or StudySettings(),
+        _find_files({name: file for name, file in (method_files or {}).items() if name in chosen}),
     )
     _refuse_bad_names(plan)
     return plan
 
 
-def _chosen(argument: str, names: Iterable[str], known: Mapping[str, Named]) -> dict[str, Named]:
+def _choose_scenes(shapes: Iterable[str] | None, meshes: Sequence[MeshShape]) -> dict[str, Scene]:
+    if shapes is None:
+        shapes = () if meshes else SHAPES
+    scenes: dict[str, Scene] = dict(_choose("shapes", shapes, SHAPES))
+    for mesh in meshes:
+        # A hand.obj is not the study's hand: their records must not replace each other.
+        name = f"{mesh.name}_mesh" if mesh.name in SHAPES else mesh.name
+        if name in scenes:
+            raise refuse("meshes", "must have names of their own", f"{name!r} twice")
+        scenes[name] = replace(mesh, name=name)
+    return scenes
+
+
+def _choose_color_maps(color_maps: Iterable[str] | Mapping[str, ColorMap] | None) -> dict[str, ColorMap]:
+    known = load_color_maps()
+    if not isinstance(color_maps, Mapping):
+        return _choose("color_maps", color_maps, known)
+    for name, value in color_maps.items():
+        if known.get(name, value) is not value:
+            raise refuse(
+                "color_maps", "must have names of their own", f"{name!r}, which is one of the study's"
+            )
+    return dict(color_maps)
+
+
+def _find_files(files: Mapping[str, PathLike]) -> dict[str, Path]:
+    found = {name: expand_home(file) for name, file in files.items()}
+    for file in found.values():
+        if not file.is_file():
+            raise refuse("method_files", "must be files", f"{file}")
+    return found
+
+
+def _choose(argument: str, names: Iterable[str] | None, known: Mapping[str, Named]) -> dict[str, Named]:
+    if names is None:
+        return dict(known)
     wanted = [names] if isinstance(names, str) else list(names)
     for name in wanted:
         if name not in known:
@@ -168,7 +181,7 @@ def _chosen(argument: str, names: Iterable[str], known: Mapping[str, Named]) -> 
 
 
 def _refuse_bad_names(plan: StudyPlan) -> None:
-    groups = {"shapes": [*plan.subjects], "color_maps": [*plan.color_maps], "methods": [*plan.methods]}
+    groups = {"shapes": [*plan.scenes], "color_maps": [*plan.color_maps], "methods": [*plan.methods]}
     for argument, names in groups.items():
         if not names:
             raise refuse(argument, "must hold at least one name", "none")

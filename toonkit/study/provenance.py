@@ -15,7 +15,7 @@ import toonkit
 from toonkit.estimation.refinement import MAX_SWEEPS, SWEEP_RELAXATION, SWEEP_TOLERANCE
 from toonkit.study.digests import weights_digests
 from toonkit.study.plan import StudyPlan
-from toonkit.study.subjects import MeshShape
+from toonkit.study.scenes import MeshShape
 
 SHOWN_DIGITS = 12
 """How many digits of a digest or a commit are shown."""
@@ -35,11 +35,11 @@ def provenance(plan: StudyPlan) -> dict[str, Any]:
         },
         "shapes": {
             name: {
-                "kind": subject.kind,
-                "view": asdict(subject.view),
-                **({"faces": len(subject.mesh.faces)} if isinstance(subject, MeshShape) else {}),
+                "kind": scene.kind,
+                "view": asdict(scene.view),
+                **({"faces": len(scene.mesh.faces)} if isinstance(scene, MeshShape) else {}),
             }
-            for name, subject in plan.subjects.items()
+            for name, scene in plan.scenes.items()
         },
         "color_maps": list(plan.color_maps),
         "methods": list(plan.methods),
@@ -48,7 +48,7 @@ def provenance(plan: StudyPlan) -> dict[str, Any]:
     }
 
 
-def surroundings() -> dict[str, Any]:
+def describe_machine() -> dict[str, Any]:
     """Return, as JSON, the commit, the versions and the machine that this process runs with."""
     return {
         "commit": _commit(),

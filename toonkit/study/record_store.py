@@ -13,7 +13,7 @@ from typing import Any, cast
 from toonkit._validation import refuse
 from toonkit.export.atomic import atomic_write
 from toonkit.study.digests import NETWORKS_USED
-from toonkit.study.trials import LightTrack, Record, Trial
+from toonkit.study.records import LightTrack, Record, Trial
 
 FOLDER = "records"
 

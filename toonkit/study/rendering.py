@@ -87,26 +87,9 @@ class _Frame:
 
 def render_shape(shape: Shape, size: int, *, view: View | None = None) -> RenderedShape:
     """
-    Render a shape of the study, filling a square picture up to `MARGIN`.
+    Render a shape of the study, filling a square picture up to `MARGIN`, from its own view or another.
 
-    Parameters
-    ----------
-    shape : Shape
-        What to render.
-    size : int
-        Width and height of the picture in pixels, at least `MIN_SIZE`.
-    view : View, optional
-        From where; the shape's own view by default.
-
-    Returns
-    -------
-    RenderedShape
-        Arrays of shape (size, size).
-
-    Raises
-    ------
-    ToonkitError
-        If the size is not a whole number or too small.
+    Raises `ToonkitError` if the size, in pixels, is not a whole number of at least `MIN_SIZE`.
 
     Examples
     --------
@@ -124,28 +107,10 @@ def render_mesh(
     mesh: trimesh.Trimesh, size: int, *, yaw: float = 0.0, pitch: float = 0.0, roll: float = 0.0
 ) -> RenderedShape:
     """
-    Render a triangle mesh, filling a square picture up to `MARGIN`.
+    Render a triangle mesh, y up and its front toward +z, filling a square picture up to `MARGIN`.
 
-    Parameters
-    ----------
-    mesh : trimesh.Trimesh
-        Any mesh, y up and its front toward +z. Edges sharper than `mesh_rays.SHARP_EDGE` stay sharp; elsewhere
-        normals are interpolated between vertices.
-    size : int
-        Width and height of the picture in pixels, at least `MIN_SIZE`.
-    yaw, pitch, roll : float, optional
-        Degrees, as of `View`.
-
-    Returns
-    -------
-    RenderedShape
-        Arrays of shape (size, size), of a single part.
-
-    Raises
-    ------
-    ToonkitError
-        If the size is not a whole number or too small, the mesh has no faces, or the fast rays of embreex are
-        not installed.
+    Edges sharper than `mesh_rays.SHARP_EDGE` stay sharp; elsewhere normals are interpolated between vertices. Raises
+    `ToonkitError` for a bad size, a mesh without faces, or if embreex is not installed.
     """
     from toonkit.study.solids.mesh_rays import MeshSolid  # noqa: PLC0415  # needs optional packages
 

@@ -17,14 +17,14 @@ from toonkit._validation import ToonkitError, refuse
 from toonkit.export.atomic import PathLike
 from toonkit.export.folder import make_folder
 from toonkit.export.sole_use import sole_use
-from toonkit.study.cells import Cell, Outcome, measured_here
-from toonkit.study.cluster import measured_there, worker_count
+from toonkit.study.batches import Batch, Outcome, measure_here
+from toonkit.study.cluster import measure_on_cluster, worker_count
 from toonkit.study.plan import StudyPlan
-from toonkit.study.provenance import provenance, surroundings
+from toonkit.study.provenance import describe_machine, provenance
 from toonkit.study.record_store import RecordStore
-from toonkit.study.study_folder import opened_sidecar, write_sidecar
+from toonkit.study.records import Record
+from toonkit.study.study_folder import open_sidecar, write_sidecar
 from toonkit.study.table import as_table, write_table
-from toonkit.study.trials import Record
 
 TABLE_SECONDS = 60.0
 """How often the table is written while a study runs. A table that is read in the meantime is at most this old."""
@@ -69,8 +69,7 @@ def run_study(
     plan : StudyPlan
         What to compare.
     folder : path
-        Folder of records, table and provenance; created if necessary. An interrupted study is resumed. Another plan may
-        be run in the same folder, which adds its trials.
+        Folder of records, table and provenance; created if necessary. Another plan may be run in it, which adds trials.
     workers : int, optional
         Processes of a local cluster; one for each core by default. 0 measures in this process, without dask.
     scheduler : str, optional
@@ -90,75 +89,70 @@ def run_study(
     Raises
     ------
     ToonkitError
-        If the folder holds a study with different settings or is in use by another run, a method to measure again is not in
-        the plan, packages of the study are missing, or the scheduler cannot be reached, is lost, or has workers with another
-        toonkit. Completed trials are saved.
+        If the study cannot be run as asked, or its scheduler is lost. Completed trials are saved.
 
     Notes
     -----
-    The inputs of a trial are the version of toonkit, the settings, the shape, the color map, the weights of the networks
-    used, and the file that the plan names for the method. A record is not compared with the code that made it: name the
-    methods whose code has changed in `again`, or start a new folder.
+    A trial is measured again if its inputs change: toonkit's version, the settings, the shape, the color map, the networks
+    used, or the method's file. Code is not compared: name methods whose code has changed in `again`.
 
-    Workers are processes that import the main program. In a script, call this function below `if __name__ ==
-    "__main__":`, or with `workers=0`.
+    Workers import the main program: in a script, call this below `if __name__ == "__main__":`.
     """
     _refuse_bad_workers(workers, scheduler)
-    for method in again:
-        if method not in plan.methods:
-            raise refuse("again", f"must be among the plan's {', '.join(plan.methods)}", repr(method))
+    _refuse_unknown_methods(again, plan)
     home = make_folder(folder)
     with sole_use(home):
-        sidecar = opened_sidecar(provenance(plan), home)
+        sidecar = open_sidecar(provenance(plan), home)
         store = RecordStore(home, sidecar)
         store.forget(again)
         run = _Run(plan, home, store, sidecar, progress or (lambda _: None))
-        cells = run.missing_cells(retry_failed=retry_failed)
-        if not cells:
-            run.told(StudyProgress(run.done, run.total))
-            return run.write_table()
-        outcomes = (
-            measured_here(cells)
-            if workers == 0
-            else measured_there(cells, workers=workers, scheduler=scheduler)
-        )
-        with closing(outcomes):
-            return run.collect(outcomes, "a given scheduler" if scheduler else worker_count(workers))
+        return run.measure(run.missing_batches(retry_failed=retry_failed), workers, scheduler)
 
 
 class _Run:
     """One run of a study. It collects outcomes and keeps table and provenance up to date."""
 
     def __init__(
-        self, plan: StudyPlan, home: Path, store: RecordStore, sidecar: dict[str, Any], told: Report
+        self, plan: StudyPlan, home: Path, store: RecordStore, sidecar: dict[str, Any], report: Report
     ) -> None:
-        self._plan, self._home, self._store, self._sidecar, self.told = plan, home, store, sidecar, told
-        self.total = sum(len(trials) for trials in plan.cells())
+        self._plan, self._home, self._store, self._sidecar, self.report = plan, home, store, sidecar, report
+        self.total = sum(len(trials) for trials in plan.batches())
         self.done = self.total
 
-    def missing_cells(self, *, retry_failed: bool) -> list[Cell]:
-        cells = []
-        for trials in self._plan.cells():
+    def missing_batches(self, *, retry_failed: bool) -> list[Batch]:
+        batches = []
+        for trials in self._plan.batches():
             left = [trial for trial in trials if not self._store.is_done(trial, retry_failed=retry_failed)]
             if left:
-                cells.append(Cell.of(left, self._plan))
-        self.done -= sum(len(cell.trials) for cell in cells)
-        return cells
+                batches.append(Batch.of(left, self._plan))
+        self.done -= sum(len(batch.trials) for batch in batches)
+        return batches
+
+    def measure(self, batches: list[Batch], workers: int | None, scheduler: str | None) -> pd.DataFrame:
+        if not batches:
+            self.report(StudyProgress(self.done, self.total))
+            return self.write_table()
+        if workers == 0:
+            outcomes = measure_here(batches)
+        else:
+            outcomes = measure_on_cluster(batches, workers=workers, scheduler=scheduler)
+        with closing(outcomes):
+            return self.collect(outcomes, "a given scheduler" if scheduler else worker_count(workers))
 
     def collect(self, outcomes: Iterator[Outcome], workers: int | str) -> pd.DataFrame:
         start = time.perf_counter()
         entry: dict[str, Any] = {"started": _now(), "finished": None, "seconds": None, "trials": None}
-        entry |= {"workers": workers, **surroundings()}
+        entry |= {"workers": workers, **describe_machine()}
         self._sidecar["runs"].append(entry)
         write_sidecar(self._sidecar, self._home)
-        self.told(StudyProgress(self.done, self.total))
+        self.report(StudyProgress(self.done, self.total))
         measured, written = 0, start
         try:
             for trial, record in outcomes:
                 self._store.save(trial, record)
                 measured += 1
                 self.done += 1
-                self.told(StudyProgress(self.done, self.total, record))
+                self.report(StudyProgress(self.done, self.total, record))
                 if time.perf_counter() - written > TABLE_SECONDS:
                     self.write_table()
                     written = time.perf_counter()
@@ -177,6 +171,12 @@ class _Run:
         table = as_table(self._store.records())
         write_table(table, self._home)
         return table
+
+
+def _refuse_unknown_methods(again: Collection[str], plan: StudyPlan) -> None:
+    for method in again:
+        if method not in plan.methods:
+            raise refuse("again", f"must be among the plan's {', '.join(plan.methods)}", repr(method))
 
 
 def _refuse_bad_workers(workers: int | None, scheduler: str | None) -> None:

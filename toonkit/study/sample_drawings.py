@@ -22,9 +22,9 @@ from toonkit.model.light import light_direction
 from toonkit.model.shading import illumination
 from toonkit.samples import FOLDER
 from toonkit.study.color_maps import load_color_maps
-from toonkit.study.inked_samples import Subject, draw_subject
-from toonkit.study.inked_subjects import CAT, DONUT, ROCKET, TOADSTOOL, WITCH
+from toonkit.study.inked_samples import SampleScene, draw_sample_scene
 from toonkit.study.rendering import render_shape
+from toonkit.study.sample_scenes import CAT, DONUT, ROCKET, TOADSTOOL, WITCH
 from toonkit.study.shapes import SHAPES
 
 SIZE = 640
@@ -66,7 +66,7 @@ class Sample:
     ----------
     name, title : str
         Its file name, and its title in the dashboard.
-    subject : Subject or PaintedSolid
+    scene : SampleScene or PaintedSolid
         What is drawn: in several materials and ink, or in one material.
     light : (float, float)
         Azimuth and elevation in degrees.
@@ -76,14 +76,14 @@ class Sample:
 
     name: str
     title: str
-    subject: Subject | PaintedSolid
+    scene: SampleScene | PaintedSolid
     light: tuple[float, float]
     shows: str
 
     @property
     def size(self) -> int:
         """Side of the picture in pixels."""
-        return INKED_SIZE if isinstance(self.subject, Subject) else SIZE
+        return INKED_SIZE if isinstance(self.scene, SampleScene) else SIZE
 
 
 SAMPLES = (
@@ -115,16 +115,16 @@ def draw_sample(sample: Sample, *, size: int | None = None) -> FloatArray:
         sRGB and straight alpha in [0, 1].
     """
     size, light = size or sample.size, light_direction(*sample.light)
-    if isinstance(sample.subject, Subject):
-        return draw_subject(sample.subject, light, size=size).image.to_rgba() / 255.0
-    return _draw_solid(sample.subject, light, size)
+    if isinstance(sample.scene, SampleScene):
+        return draw_sample_scene(sample.scene, light, size=size).image.to_rgba() / 255.0
+    return _draw_solid(sample.scene, light, size)
 
 
-def _draw_solid(subject: PaintedSolid, light: FloatArray, size: int) -> FloatArray:
-    large = render_shape(SHAPES[subject.shape], size * OVERSAMPLING)
-    color = load_color_maps()[subject.ramp](illumination(large.normals, light))
-    if subject.brush:
-        color = color + subject.brush * _brush_texture(color.shape[0])[..., None]
+def _draw_solid(scene: PaintedSolid, light: FloatArray, size: int) -> FloatArray:
+    large = render_shape(SHAPES[scene.shape], size * OVERSAMPLING)
+    color = load_color_maps()[scene.ramp](illumination(large.normals, light))
+    if scene.brush:
+        color = color + scene.brush * _brush_texture(color.shape[0])[..., None]
     # Color under partly covered pixels: what the nearest object pixel has.
     rows, columns = nearest_object_pixel(large.mask)
     color = np.clip(color[rows, columns], 0.0, 1.0)

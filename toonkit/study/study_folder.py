@@ -11,7 +11,7 @@ from toonkit.export.atomic import atomic_write
 from toonkit.study.table import PROVENANCE_NAME, load_provenance, settings_from
 
 
-def opened_sidecar(fresh: dict[str, Any], home: Path) -> dict[str, Any]:
+def open_sidecar(fresh: dict[str, Any], home: Path) -> dict[str, Any]:
     """Return the folder's provenance, extended by that of a plan; refuse a folder whose study has other settings."""
     fresh = {**fresh, "runs": []}
     if not (home / PROVENANCE_NAME).is_file():

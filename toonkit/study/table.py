@@ -13,8 +13,9 @@ import pandas as pd
 
 from toonkit._validation import ToonkitError, expand_home, refuse
 from toonkit.export.atomic import PathLike, atomic_write
+from toonkit.study.painting import StudySettings
 from toonkit.study.record_store import FOLDER, RecordStore
-from toonkit.study.trials import LIGHT_TRACKS, Record, StudySettings
+from toonkit.study.records import LIGHT_TRACKS, Record
 
 TABLE_NAME = "trials.parquet"
 CSV_NAME = "trials.csv"
@@ -63,19 +64,7 @@ _FORM: dict[str, Any] = {
 
 
 def as_table(records: Iterable[Record]) -> pd.DataFrame:
-    """
-    Return records as a table.
-
-    Parameters
-    ----------
-    records : iterable of Record
-        In any order.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row a record, sorted by `TRIAL_COLUMNS`; its columns and types are `COLUMN_TYPES`, whatever the records.
-    """
+    """Return records as a table sorted by `TRIAL_COLUMNS`, with the columns and types of `COLUMN_TYPES`."""
     rows = pd.DataFrame([asdict(record) for record in records], columns=list(COLUMN_TYPES))
     return rows.astype(COLUMN_TYPES).sort_values(TRIAL_COLUMNS, ignore_index=True)
 
@@ -108,7 +97,7 @@ def load_trials(source: PathLike) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        One row a trial; the columns are the fields of `toonkit.study.trials.Record`.
+        One row a trial; the columns are the fields of `toonkit.study.records.Record`.
 
     Raises
     ------
@@ -141,24 +130,7 @@ def load_trials(source: PathLike) -> pd.DataFrame:
 
 
 def load_provenance(source: PathLike) -> dict[str, Any]:
-    """
-    Read the sidecar of a study's table.
-
-    Parameters
-    ----------
-    source : path
-        As of `load_trials`.
-
-    Returns
-    -------
-    dict
-        Settings, versions, shapes, color maps, methods and runs.
-
-    Raises
-    ------
-    ToonkitError
-        If it is missing, not JSON, or not what a study writes.
-    """
+    """Read the sidecar of a study's table; raises `ToonkitError` if it is not what a study writes."""
     provenance, path = _read_provenance(source)
     for name, form in _FORM.items():
         if name not in provenance or not _fits(provenance[name], form):

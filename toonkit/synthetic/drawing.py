@@ -15,7 +15,7 @@ from toonkit.model.normals import NormalField
 from toonkit.synthetic.inking import Ink, random_ink
 from toonkit.synthetic.painting import Painter, random_painter
 from toonkit.synthetic.recipes import RECIPES
-from toonkit.synthetic.samples import Samples, sample_model
+from toonkit.synthetic.surface_samples import Samples, sample_model
 
 ELEVATIONS = (20.0, 75.0)
 """Least and greatest elevation of the light, in degrees."""
@@ -35,7 +35,7 @@ class DrawnScene:
     Attributes
     ----------
     recipe : str
-        What is drawn: a name in `toonkit.synthetic.recipes.RECIPES`.
+        What is drawn: a name in `synthetic.recipes.RECIPES`.
     image : ToonImage
         The drawing, in steps of an 8-bit picture.
     paint : ToonImage
@@ -119,7 +119,7 @@ def draw_scene(seed: int | np.random.Generator, *, size: int = 256, recipe: str 
     size : int, optional
         Width and height in pixels.
     recipe : str, optional
-        What to draw, a name in `toonkit.synthetic.recipes.RECIPES`; any by default.
+        What to draw, a name in `synthetic.recipes.RECIPES`; any by default.
 
     Returns
     -------

@@ -10,7 +10,7 @@ from scipy.ndimage import distance_transform_edt, zoom
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.model.oklab import oklab_to_srgb, srgb_to_oklab
-from toonkit.synthetic.samples import SUBPIXELS, Samples
+from toonkit.synthetic.surface_samples import SUBPIXELS, Samples
 
 REFERENCE_SIZE = 256
 """Picture width, in pixels, to which line widths refer."""

@@ -67,7 +67,7 @@ class Model:
     parts : tuple of Part
         What is in it.
     paints : mapping of str to str
-        Family of colors, of `toonkit.synthetic.palette.FAMILIES`, for each material.
+        Family of colors, of `synthetic.palette.FAMILIES`, for each material.
     view : ndarray, shape (3, 3)
         Rotation from the axes of the model to those of the picture.
     """

@@ -10,7 +10,7 @@ from toonkit._validation import BoolArray, FloatArray
 from toonkit.model.color_map import ColorMap
 from toonkit.synthetic.model import Model
 from toonkit.synthetic.palette import random_bases, random_shading, smooth_ramp, stepped_ramp
-from toonkit.synthetic.samples import Samples
+from toonkit.synthetic.surface_samples import Samples
 from toonkit.synthetic.tracing import Frame, Tracer
 
 HIGHLIT, SHADOWED = 0.5, 0.25

@@ -1,4 +1,4 @@
-"""Compiled loops of `toonkit.synthetic.tracing`: rays against the distance from primitives."""
+"""Compiled loops of `synthetic.tracing`: rays against the distance from primitives."""
 
 from __future__ import annotations
 
@@ -20,24 +20,34 @@ _DIFFERENCE = 2e-4
 _FAR = 1e9
 
 
+@njit(inline="always")
+def _find_near(x_mid, y_mid, radius, kinds, centers, fillets, bounds, near):  # type: ignore[no-untyped-def]
+    """Write the primitives that rays of a tile may meet; return their number, and the depths at which they start and end."""
+    count, start, end = 0, -_FAR, _FAR
+    for i in range(len(kinds)):
+        reach = bounds[i] + fillets[i]
+        if np.hypot(centers[i, 0] - x_mid, centers[i, 1] - y_mid) <= reach + radius:
+            near[count] = i
+            count += 1
+            start, end = max(start, centers[i, 2] + reach), min(end, centers[i, 2] - reach)
+    return count, start, end
+
+
+@njit(inline="always")
+def _find_members(near, count, part_of, part, own):  # type: ignore[no-untyped-def]
+    """Write which of the near primitives belong to a part; return their number."""
+    members = 0
+    for c in range(count):
+        if part_of[near[c]] == part:
+            own[members] = near[c]
+            members += 1
+    return members
+
+
 @njit(cache=True, error_model="numpy", fastmath=True)
 def trace_rays(  # type: ignore[no-untyped-def]
-    xs,
-    ys,
-    step,
-    with_normals,
-    kinds,
-    part_of,
-    centers,
-    turns,
-    sizes,
-    fillets,
-    cuts,
-    bounds,
-    part,
-    depth,
-    normals,
-):
+    xs, ys, step, with_normals, kinds, part_of, centers, turns, sizes, fillets, cuts, bounds, part, depth, normals
+):  # fmt: skip
     """Send rays along -z through a grid of x and y, and write what each meets first: see `Hits`."""
     near = np.empty(len(kinds), np.int64)
     own = np.empty(len(kinds), np.int64)
@@ -46,13 +56,7 @@ def trace_rays(  # type: ignore[no-untyped-def]
             bottom, right = min(top + _TILE, len(ys)), min(left + _TILE, len(xs))
             x_mid, y_mid = (xs[left] + xs[right - 1]) / 2, (ys[top] + ys[bottom - 1]) / 2
             radius = np.hypot(xs[right - 1] - xs[left], ys[bottom - 1] - ys[top]) / 2
-            count, start, end = 0, -_FAR, _FAR
-            for i in range(len(kinds)):
-                reach = bounds[i] + fillets[i]
-                if np.hypot(centers[i, 0] - x_mid, centers[i, 1] - y_mid) <= reach + radius:
-                    near[count] = i
-                    count += 1
-                    start, end = max(start, centers[i, 2] + reach), min(end, centers[i, 2] - reach)
+            count, start, end = _find_near(x_mid, y_mid, radius, kinds, centers, fillets, bounds, near)
             if count == 0:
                 continue
             for _ in range(_MAX_STEPS):  # all rays of the tile together, as far as none can have met anything
@@ -93,11 +97,7 @@ def trace_rays(  # type: ignore[no-untyped-def]
                     met = part[row, column]
                     if met == NOTHING or not with_normals:
                         continue
-                    members = 0
-                    for c in range(count):
-                        if part_of[near[c]] == met:
-                            own[members] = near[c]
-                            members += 1
+                    members = _find_members(near, count, part_of, met, own)
                     _normal(
                         x, y, z, own, members, kinds, part_of, centers, turns, sizes, fillets, cuts, bounds,
                         normals[row, column],

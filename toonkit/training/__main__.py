@@ -24,7 +24,7 @@ from toonkit.training.dataset import Dataset, make_dataset
 from toonkit.training.drawings import Drawings
 from toonkit.training.light_task import LightTask
 from toonkit.training.shape_task import ColoredShapeTask, ShapeTask
-from toonkit.training.train import FIGURES, TOLD, Task, Training, TrainingOptions
+from toonkit.training.train import FIGURES, STORED_OPTIONS, Task, Training, TrainingOptions
 
 TASKS: dict[str, type[Task]] = {"shape": ShapeTask, "colored_shape": ColoredShapeTask, "light": LightTask}
 
@@ -52,7 +52,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         _train(given)
     except ToonkitError as error:
-        print(f"toonkit.training: {error}", file=sys.stderr)
+        print(f"training: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print(f"\nStopped; the same command goes on from the checkpoint in {given.output}.", file=sys.stderr)
@@ -114,7 +114,9 @@ def _train(given: argparse.Namespace) -> None:
     if given.output.exists() and not given.output.is_dir():
         raise refuse("--output", "must be a folder", given.output)
     dataset = _dataset(given)
-    training = Training(TASKS[given.task](), TrainingOptions(**{name: getattr(given, name) for name in TOLD}))
+    training = Training(
+        TASKS[given.task](), TrainingOptions(**{name: getattr(given, name) for name in STORED_OPTIONS})
+    )
     checkpoint = given.output / f"{training.task.name}.pt"
     learned, aside = Drawings(dataset, KEPT_ASIDE, len(dataset)), Drawings(dataset, 0, KEPT_ASIDE)
     if checkpoint.exists():
@@ -126,7 +128,7 @@ def _train(given: argparse.Namespace) -> None:
     if training.step == 0 and training.earlier and not training.history:
         figures = training.task.figures(training.average, aside, FIGURE_DRAWINGS)
         training.history.append({"step": 0, **figures})
-    stopping = _asked_to_stop()
+    stopping = _watch_for_stop()
     with tqdm(total=given.steps, initial=training.step, desc=f"training {given.task}", unit="step") as bar:
         while training.step < given.steps:
             bar.set_postfix(error=f"{training.advance(learned):.1f}°", refresh=False)
@@ -174,8 +176,8 @@ def _write_weights(given: argparse.Namespace, training: Training, history: list[
     provenance: dict[str, Any] = {
         **training.record,
         FIGURES: history,
-        "data": "random solids of toonkit.training.families, painted by random color maps of toonkit.training.painting "
-        "and materials of toonkit.training.materials, inked by toonkit.training.inking",
+        "data": "random solids of training.families, painted by random color maps of training.painting "
+        "and materials of training.materials, inked by training.inking",
         "parameters": int(sum(values.size for values in weights.values())),
         "processor": platform.processor() or platform.machine(),
         "versions": {package: version(package) for package in ("torch", "numpy")},
@@ -189,7 +191,7 @@ def _write_weights(given: argparse.Namespace, training: Training, history: list[
     print(f"Weights in {path}; toonkit/estimation/weights/ is where they ship.")
 
 
-def _asked_to_stop() -> Callable[[], bool]:
+def _watch_for_stop() -> Callable[[], bool]:
     """Let a signal wait for the end of the running step, as half a step cannot be gone on from; return whether one came."""
     came = []
 

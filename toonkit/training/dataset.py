@@ -118,7 +118,7 @@ def make_dataset(
     return Dataset(**joined)
 
 
-def cut_off(rng: np.random.Generator) -> Rendered | None:
+def draw_cut_off(rng: np.random.Generator) -> Rendered | None:
     """
     Draw a solid of which the picture's frame cuts a part off.
 
@@ -184,7 +184,7 @@ def _make_shard(folder: Path, seed: int, shard: int) -> int:
     parts = np.full(masks.shape, -1, np.int8)
     done = 0
     while done < SHARD:
-        rendered = cut_off(rng) if rng.random() < CUT_OFF else render_solid(random_solid(rng), SIZE)
+        rendered = draw_cut_off(rng) if rng.random() < CUT_OFF else render_solid(random_solid(rng), SIZE)
         if rendered is None:
             continue
         try:

@@ -11,7 +11,7 @@ from toonkit.estimation.convolution import Array
 from toonkit.estimation.shape_prior import material_borders
 from toonkit.model.light import light_direction
 from toonkit.training.dataset import Dataset
-from toonkit.training.inking import random_ink, uninked
+from toonkit.training.inking import random_ink, remove_ink
 from toonkit.training.materials import paint_materials, random_labels
 from toonkit.training.painting import random_ramp
 
@@ -110,21 +110,14 @@ class Drawings:
             Probability of line art, where there is room for it.
         colored : bool, optional
             Whether it is painted with several materials.
-
-        Returns
-        -------
-        Drawing
-            The drawing.
         """
         which, variant = int(rng.integers(self.first, self.last)), int(rng.integers(8))
         shape = self.dataset.view(which, variant)
         azimuth = rng.uniform(0.0, 360.0) if turned else 0.0
         light = light_direction(azimuth, rng.uniform(*ELEVATIONS))
         ramp = random_ramp(rng)
-        doubt = 0.0
-        if doubtful and rng.random() < DOUBTFUL:
-            doubt = float(np.deg2rad(np.exp(rng.uniform(*np.log(DOUBTS)))))
-        illumination = shape.normals @ tilted(light, doubt, rng).astype(np.float32)
+        doubt = _draw_doubt(rng) if doubtful else 0.0
+        illumination = shape.normals @ tilt_light(light, doubt, rng).astype(np.float32)
         tones, told, borders = ramp(illumination).astype(np.float32), shape.mask, None
         if colored:
             labels = random_labels(shape.parts, rng)
@@ -141,7 +134,7 @@ class Drawings:
             if (told & ~ink).any():
                 hidden |= ink
         return Drawing(
-            tones=uninked(tones, hidden, shape.mask),
+            tones=remove_ink(tones, hidden, shape.mask),
             ink=hidden,
             borders=borders,
             mask=shape.mask,
@@ -152,7 +145,12 @@ class Drawings:
         )
 
 
-def tilted(light: FloatArray, doubt: float, rng: np.random.Generator) -> FloatArray:
+def _draw_doubt(rng: np.random.Generator) -> float:
+    """Draw how far off, in radians, the light may be; often 0."""
+    return float(np.deg2rad(np.exp(rng.uniform(*np.log(DOUBTS))))) if rng.random() < DOUBTFUL else 0.0
+
+
+def tilt_light(light: FloatArray, doubt: float, rng: np.random.Generator) -> FloatArray:
     """Draw a direction around a light, in front of the image plane; with no doubt, the light itself."""
     if doubt == 0.0:
         return light

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from toonkit.training.living import draw_creature, draw_figure, draw_insect
 from toonkit.training.solids import (
     BOX,
     CAPSULE,
@@ -16,14 +17,13 @@ from toonkit.training.solids import (
     UNTURNED,
     Part,
     Solid,
-    assembled,
-    attached_part,
-    body_kind,
-    fitted,
-    flattened,
-    front_features,
+    assemble,
+    attach_part,
+    draw_body_kind,
+    draw_front_features,
+    fit_size,
+    flatten,
     frontal_view,
-    limb,
     random_primitive,
     random_rotation,
     random_tube,
@@ -52,40 +52,40 @@ def random_solid(rng: np.random.Generator) -> Solid:
     return family(rng)
 
 
-def lone_ellipsoid(rng: np.random.Generator) -> Solid:
+def draw_ellipsoid(rng: np.random.Generator) -> Solid:
     """Draw an ellipsoid, often a sphere."""
     radii = np.ones(3) if rng.random() < 0.4 else rng.uniform(0.35, 1.0, 3)
     part = Part(ELLIPSOID, random_rotation(rng), np.zeros(3), np.append(radii, 0.0), 0.1)
-    return assembled([part], view=random_rotation(rng))
+    return assemble([part], view=random_rotation(rng))
 
 
-def plain_solid(rng: np.random.Generator) -> Solid:
+def draw_primitives(rng: np.random.Generator) -> Solid:
     """Draw one primitive that is no ellipsoid, or two primitives."""
     parts = [random_primitive(rng, int(rng.integers(1, 5)), np.zeros(3), rng.uniform(0.6, 1.0))]
     if rng.random() < 0.5:
-        parts.append(attached_part(rng, parts, rng.uniform(0.4, 0.9)))
-    return assembled(parts, view=random_rotation(rng))
+        parts.append(attach_part(rng, parts, rng.uniform(0.4, 0.9)))
+    return assemble(parts, view=random_rotation(rng))
 
 
-def assembly(rng: np.random.Generator) -> Solid:
+def draw_assembly(rng: np.random.Generator) -> Solid:
     """Draw a body with limbs, sometimes symmetric, carved, flat or wavy."""
     mirrored = bool(rng.random() < 0.45)
-    parts = [random_primitive(rng, body_kind(rng), np.zeros(3), rng.uniform(0.7, 1.0))]
+    parts = [random_primitive(rng, draw_body_kind(rng), np.zeros(3), rng.uniform(0.7, 1.0))]
     limbs = int(rng.integers(1, 6 if mirrored else 9))
     shrink = rng.uniform(0.35, 0.95)
     for _ in range(limbs):
-        parts.append(attached_part(rng, parts, rng.uniform(0.6, 1.2) * shrink))
+        parts.append(attach_part(rng, parts, rng.uniform(0.6, 1.2) * shrink))
     if rng.random() < 0.4:  # features: eyes, buttons, dents
-        parts += front_features(rng, parts)
+        parts += draw_front_features(rng, parts)
     if rng.random() < 0.2:
-        parts = flattened(parts, rng.uniform(0.25, 0.6))
+        parts = flatten(parts, rng.uniform(0.25, 0.6))
     view = frontal_view(rng) if mirrored and rng.random() < 0.6 else random_rotation(rng)
-    return assembled(
+    return assemble(
         parts, view=view, mirrored=mirrored, waves=random_waves(rng) if rng.random() < 0.2 else None
     )
 
 
-def turned_on_a_lathe(rng: np.random.Generator) -> Solid:
+def draw_lathe_body(rng: np.random.Generator) -> Solid:
     """Draw a body of revolution, stacked along its axis; now and then with a handle, a spout or a stalk."""
     parts: list[Part] = []
     height, radius = 0.0, rng.uniform(0.4, 0.8)
@@ -110,45 +110,11 @@ def turned_on_a_lathe(rng: np.random.Generator) -> Solid:
             rng, start, away, rng.uniform(0.4, 1.2), thickness, thickness * 0.7, 0.04, bend=0.5
         )
     if rng.random() < 0.4:
-        parts += front_features(rng, parts)
-    return assembled(fitted(parts), view=upright_view(rng) if rng.random() < 0.75 else random_rotation(rng))
+        parts += draw_front_features(rng, parts)
+    return assemble(fit_size(parts), view=upright_view(rng) if rng.random() < 0.75 else random_rotation(rng))
 
 
-def creature(rng: np.random.Generator) -> Solid:
-    """Draw a body with a head and with a snout, ears, limbs and a tail where the dice say so."""
-    width = SHARP if rng.random() < 0.25 else rng.uniform(0.03, 0.25)
-    body = rng.uniform(0.4, 0.7, 3)
-    head_size = rng.uniform(0.25, 0.55)
-    head = np.array([0.0, body[1] * rng.uniform(0.8, 1.3), body[2] * rng.uniform(-0.2, 0.9)])
-    parts = [
-        Part(ELLIPSOID, turn_about(0, rng.normal(0, 0.4)), np.zeros(3), np.append(body, 0.0), width),
-        Part(ELLIPSOID, UNTURNED, head, np.append(head_size * rng.uniform(0.8, 1.2, 3), 0.0), width),
-    ]
-    if rng.random() < 0.7:
-        snout = np.append(head_size * rng.uniform(0.25, 0.6, 3), 0.0)
-        place = head + head_size * np.array([0.0, -0.1, 0.85])
-        parts.append(Part(ELLIPSOID, UNTURNED, place, snout, width / 2))
-    if rng.random() < 0.75:
-        root = head + head_size * np.array([rng.uniform(0.3, 0.8), rng.uniform(0.6, 1.0), 0.0])
-        tip = root + np.array([rng.uniform(0, 0.3), rng.uniform(0.1, 0.7), rng.normal(0, 0.1)])
-        parts.append(limb(root, tip, 0.25 * head_size, head_size * rng.uniform(0.1, 0.35), 0.4 * width))
-    for _ in range(int(rng.integers(1, 4))):
-        root = body * np.array([rng.uniform(0.4, 0.9), rng.uniform(-0.9, 0.6), rng.uniform(-0.6, 0.8)])
-        away = np.array([rng.uniform(0, 0.6), rng.uniform(-1.0, 0.2), rng.normal(0, 0.4)])
-        tip = root + away * rng.uniform(0.4, 0.9)
-        parts.append(limb(root, tip, rng.uniform(0.1, 0.22), rng.uniform(0.08, 0.2), 0.6 * width))
-    if rng.random() < 0.4:
-        root = body * np.array([0.0, -0.2, -0.8])
-        length = rng.uniform(0.4, 1.0)
-        parts += random_tube(
-            rng, root, np.array([0.05, 0.3, -1.0]), length, rng.uniform(0.06, 0.15), 0.05, 0.05
-        )
-    if rng.random() < 0.15:
-        parts = flattened(parts, rng.uniform(0.3, 0.6))
-    return assembled(fitted(parts), view=upright_view(rng), mirrored=True)
-
-
-def fingered(rng: np.random.Generator) -> Solid:
+def draw_hand(rng: np.random.Generator) -> Solid:
     """Draw a slab from whose edge nearly parallel fingers grow."""
     palm = np.array([0.45, rng.uniform(0.35, 0.55), rng.uniform(0.12, 0.25), 0.1])
     parts = [Part(int(rng.choice([ELLIPSOID, BOX])), UNTURNED, np.zeros(3), palm, 0.1)]
@@ -162,20 +128,20 @@ def fingered(rng: np.random.Generator) -> Solid:
     if rng.random() < 0.7:
         root, away = np.array([0.4, -0.1, 0.05]), np.array([1.0, 0.6, 0.3])
         parts += random_tube(rng, root, away, 0.5, 1.2 * thickness, 0.9 * thickness, 0.05, pieces=3, bend=0.2)
-    return assembled(fitted(parts), view=upright_view(rng) if rng.random() < 0.7 else random_rotation(rng))
+    return assemble(fit_size(parts), view=upright_view(rng) if rng.random() < 0.7 else random_rotation(rng))
 
 
-def tubes(rng: np.random.Generator) -> Solid:
+def draw_tubes(rng: np.random.Generator) -> Solid:
     """Draw one or two winding tubes."""
     parts: list[Part] = []
     for _ in range(int(rng.integers(1, 3))):
         root, away, length = rng.normal(0, 0.3, 3), rng.normal(size=3), rng.uniform(2.0, 4.0)
         ends = rng.uniform(0.12, 0.3), rng.uniform(0.08, 0.3)
         parts += random_tube(rng, root, away, length, *ends, 0.1, pieces=int(rng.integers(6, 12)))
-    return assembled(fitted(parts), view=random_rotation(rng))
+    return assemble(fit_size(parts), view=random_rotation(rng))
 
 
-def sheet(rng: np.random.Generator) -> Solid:
+def draw_sheet(rng: np.random.Generator) -> Solid:
     """Draw a wavy slab seen from the front: its outline is an edge, and no surface turns away there."""
     half = np.array([rng.uniform(0.7, 1.0), rng.uniform(0.5, 1.0), rng.uniform(0.15, 0.4)])
     if rng.random() < 0.7:
@@ -193,104 +159,10 @@ def sheet(rng: np.random.Generator) -> Solid:
     heights = np.minimum(steepness / lengths, 0.8 * half[2])
     vectors = along / np.linalg.norm(along, axis=1, keepdims=True) * lengths
     waves = np.concatenate([vectors, rng.uniform(0, 2 * np.pi, (count, 1)), heights], axis=1)
-    return assembled([part], view=frontal_view(rng), waves=waves)
+    return assemble([part], view=frontal_view(rng), waves=waves)
 
 
-def figure(rng: np.random.Generator) -> Solid:
-    """Draw a standing figure: a head with hair, ears or a hat and a face, clothes, arms and legs."""
-    width = SHARP if rng.random() < 0.6 else rng.uniform(0.02, 0.1)
-    head = rng.uniform(0.3, 0.55)
-    middle, chest = -0.9 * head - rng.uniform(0.2, 0.45), rng.uniform(0.2, 0.45)
-    waist = np.array([chest * rng.uniform(0.7, 1.4), rng.uniform(0.3, 0.5), chest * rng.uniform(0.5, 0.9)])
-    clothes = rng.random()
-    if clothes < 0.4:
-        trunk = Part(ELLIPSOID, UNTURNED, np.array([0.0, middle, 0.0]), np.append(waist, 0.0), width)
-    elif clothes < 0.75:  # a dress or a coat
-        cone = np.array([waist[1], waist[0] * rng.uniform(1.0, 1.6), waist[0] * rng.uniform(0.4, 0.9), 0.05])
-        trunk = Part(CONE, UNTURNED, np.array([0.0, middle, 0.0]), cone, width)
-    else:
-        trunk = Part(BOX, UNTURNED, np.array([0.0, middle, 0.0]), np.append(waist, 0.6 * waist.min()), width)
-    skull = np.append(head * rng.uniform(0.85, 1.15, 3), 0.0)
-    parts = [
-        trunk,
-        Part(ELLIPSOID, UNTURNED, np.zeros(3), skull, width),
-        *_hair(rng, head),
-        *_face(rng, head),
-    ]
-    if rng.random() < 0.3:
-        parts += _hat(rng, head)
-    shoulder = np.array([0.8 * waist[0], middle + 0.6 * waist[1], 0.0])
-    hand = shoulder + np.array([rng.uniform(0.1, 0.6), rng.uniform(-0.6, 0.4), rng.uniform(-0.1, 0.4)])
-    thick = rng.uniform(0.07, 0.15)
-    hip = np.array([0.45 * waist[0], middle - 0.7 * waist[1], 0.0])
-    foot = hip + np.array([rng.uniform(0.0, 0.2), -rng.uniform(0.3, 0.8), rng.uniform(-0.1, 0.2)])
-    shoe = np.array([1.1, 0.8, rng.uniform(1.2, 2.0), 0.0]) * thick
-    parts += [
-        limb(shoulder, hand, thick, thick * rng.uniform(0.6, 1.2), width),
-        Part(
-            ELLIPSOID, UNTURNED, hand, np.array([1.3, 1.3, 1.3, 0.0]) * thick * rng.uniform(0.8, 1.2), SHARP
-        ),
-        limb(hip, foot, 1.2 * thick, thick, width),
-        Part(ELLIPSOID, UNTURNED, foot + np.array([0.0, 0.0, 0.5 * shoe[2]]), shoe, SHARP),
-    ]
-    if rng.random() < 0.3:  # a belt or a collar
-        ring = np.array([waist[0] * rng.uniform(0.7, 1.0), 0.06, 0.0, 0.0])
-        parts.append(Part(TORUS, UNTURNED, np.array([0.0, middle, 0.0]), ring, SHARP))
-    return assembled(fitted(parts), view=upright_view(rng), mirrored=True)
-
-
-def _hair(rng: np.random.Generator, head: float) -> list[Part]:
-    """Draw hair on a head: a cap, clumps that hang or stand, or none."""
-    parts = []
-    if rng.random() < 0.7:
-        cap = np.append(head * rng.uniform(1.02, 1.25, 3), 0.0)
-        place = head * np.array([0.0, rng.uniform(0.1, 0.35), rng.uniform(-0.5, -0.15)])
-        parts.append(Part(ELLIPSOID, UNTURNED, place, cap, SHARP))
-    if rng.random() < 0.5:
-        for _ in range(int(rng.integers(2, 6))):
-            root = head * np.array([rng.uniform(0.0, 0.9), rng.uniform(0.2, 1.0), rng.uniform(-0.2, 0.6)])
-            tip = root + head * np.array(
-                [rng.uniform(-0.2, 0.6), rng.normal(-0.4, 0.6), rng.uniform(-0.2, 0.3)]
-            )
-            parts.append(limb(root, tip, head * rng.uniform(0.12, 0.3), 0.03, SHARP))
-    if rng.random() < 0.3:
-        root = head * np.array([0.9, 0.2, -0.2])
-        away = np.array([0.5, -1.0, rng.normal(0, 0.2)])
-        parts += random_tube(rng, root, away, rng.uniform(0.4, 1.0), 0.35 * head, 0.1 * head, 0.05, pieces=4)
-    return parts
-
-
-def _face(rng: np.random.Generator, head: float) -> list[Part]:
-    """Draw eyes, ears and a nose, or some of them."""
-    parts = []
-    if rng.random() < 0.7:
-        eye = head * np.array([rng.uniform(0.1, 0.3), rng.uniform(0.1, 0.35), 0.12, 0.0])
-        parts.append(
-            Part(ELLIPSOID, UNTURNED, head * np.array([rng.uniform(0.25, 0.45), 0.0, 0.9]), eye, SHARP)
-        )
-    if rng.random() < 0.5:
-        ear = head * np.array([rng.uniform(0.15, 0.4), rng.uniform(0.2, 0.7), 0.12, 0.0])
-        place = head * np.array([0.85, rng.uniform(-0.1, 0.9), 0.0])
-        parts.append(Part(ELLIPSOID, turn_about(2, rng.normal(0, 0.5)), place, ear, SHARP))
-    if rng.random() < 0.4:
-        nose = head * np.append(rng.uniform(0.08, 0.3, 3), 0.0)
-        parts.append(Part(ELLIPSOID, UNTURNED, head * np.array([0.0, -0.25, 1.0]), nose, 0.02))
-    return parts
-
-
-def _hat(rng: np.random.Generator, head: float) -> list[Part]:
-    """Draw a hat with a brim."""
-    tall, wide = head * rng.uniform(0.2, 0.9), head * rng.uniform(0.7, 1.05)
-    crown = np.array([tall, wide, wide * rng.choice([0.05, rng.uniform(0.4, 1.0)]), 0.02])
-    brim = np.array([0.04, wide * rng.uniform(1.1, 1.9), wide * 1.1, 0.02])
-    top = head * rng.uniform(0.45, 0.75)
-    return [
-        Part(CONE, UNTURNED, np.array([0.0, top + tall, 0.0]), crown, SHARP),
-        Part(CONE, UNTURNED, np.array([0.0, top, 0.0]), brim, SHARP),
-    ]
-
-
-def machine(rng: np.random.Generator) -> Solid:
+def draw_machine(rng: np.random.Generator) -> Solid:
     """Draw boxes and cylinders set against each other squarely, with wheels, rims, holes and screws."""
     parts: list[Part] = []
     place = np.zeros(3)
@@ -306,7 +178,7 @@ def machine(rng: np.random.Generator) -> Solid:
         axis = int(rng.integers(3))
         place[axis] += rng.choice([-1.0, 1.0]) * half[axis] * rng.uniform(0.7, 1.2)
     if rng.random() < 0.5:
-        parts += _wheels(rng, parts[0])
+        parts += _draw_wheels(rng, parts[0])
     for _ in range(int(rng.integers(0, 5))):  # knobs, lamps, screws and holes on the front or the right
         _, _, center, sizes, _ = parts[0]
         axis = int(rng.choice([0, 2]))
@@ -317,10 +189,10 @@ def machine(rng: np.random.Generator) -> Solid:
         hole = rng.random() < 0.35
         disc = np.array([rng.uniform(0.03, 0.15), radius, radius * rng.uniform(0.7, 1.0), 0.01])
         parts.append(Part(CONE, turn, spot, disc, -SHARP if hole else SHARP))
-    return assembled(fitted(parts), view=upright_view(rng), mirrored=bool(rng.random() < 0.5))
+    return assemble(fit_size(parts), view=upright_view(rng), mirrored=bool(rng.random() < 0.5))
 
 
-def _wheels(rng: np.random.Generator, body: Part) -> list[Part]:
+def _draw_wheels(rng: np.random.Generator, body: Part) -> list[Part]:
     """Draw wheels at the sides of a body, with hubs."""
     radius, tire = rng.uniform(0.15, 0.35), rng.uniform(0.05, 0.12)
     flank, below = max(body.sizes[0], 0.2), max(body.sizes[1], 0.2)
@@ -335,30 +207,7 @@ def _wheels(rng: np.random.Generator, body: Part) -> list[Part]:
     return parts
 
 
-def insect(rng: np.random.Generator) -> Solid:
-    """Draw a body in segments with thin, jointed legs and feelers."""
-    parts: list[Part] = []
-    place, sizes = 0.0, rng.uniform(0.15, 0.4, int(rng.integers(2, 5)))
-    for size in sizes:
-        radii = size * np.array([rng.uniform(0.7, 1.2), rng.uniform(0.6, 1.0), rng.uniform(0.9, 1.5), 0.0])
-        parts.append(Part(ELLIPSOID, UNTURNED, np.array([0.0, 0.0, place]), radii, SHARP))
-        place += size * rng.uniform(1.2, 2.0)
-    thick = rng.uniform(0.03, 0.08)
-    for root in np.linspace(0.0, place * 0.7, int(rng.integers(2, 5))):
-        knee = np.array([rng.uniform(0.4, 0.7), rng.uniform(0.1, 0.6), root + rng.normal(0, 0.2)])
-        foot = knee + np.array([rng.uniform(0.0, 0.4), -rng.uniform(0.4, 0.9), rng.normal(0, 0.2)])
-        parts += [
-            limb(np.array([0.1, 0.0, root]), knee, thick, thick, SHARP),
-            limb(knee, foot, thick, 0.6 * thick, SHARP),
-        ]
-    if rng.random() < 0.5:
-        start, away = np.array([0.08, 0.1, place * 0.9]), np.array([0.4, 0.6, 0.7])
-        parts += random_tube(rng, start, away, rng.uniform(0.4, 0.9), 0.03, 0.02, 0.01, pieces=3)
-    view = turn_about(0, rng.uniform(0.0, 1.4)) @ turn_about(1, rng.uniform(-np.pi, np.pi))
-    return assembled(fitted(parts), view=view, mirrored=True)
-
-
-def crowd(rng: np.random.Generator) -> Solid:
+def draw_crowd(rng: np.random.Generator) -> Solid:
     """Draw several things that stand beside and in front of each other."""
     parts = []
     reach = rng.uniform(0.5, 1.1)
@@ -367,23 +216,23 @@ def crowd(rng: np.random.Generator) -> Solid:
         place = rng.uniform(-1.0, 1.0, 3) * [reach, 0.7 * reach, reach]
         part = random_primitive(rng, kind, place, rng.uniform(0.25, 0.7))
         parts.append(part._replace(width=SHARP, turn=part.turn if rng.random() < 0.5 else UNTURNED))
-    return assembled(fitted(parts), view=upright_view(rng))
+    return assemble(fit_size(parts), view=upright_view(rng))
 
 
 Family = Callable[[np.random.Generator], Solid]
 
 FAMILIES: tuple[tuple[Family, float], ...] = (
-    (lone_ellipsoid, 0.05),
-    (plain_solid, 0.1),
-    (assembly, 0.2),
-    (turned_on_a_lathe, 0.13),
-    (creature, 0.12),
-    (fingered, 0.03),
-    (tubes, 0.04),
-    (sheet, 0.05),
-    (figure, 0.13),
-    (machine, 0.07),
-    (insect, 0.03),
-    (crowd, 0.05),
+    (draw_ellipsoid, 0.05),
+    (draw_primitives, 0.1),
+    (draw_assembly, 0.2),
+    (draw_lathe_body, 0.13),
+    (draw_creature, 0.12),
+    (draw_hand, 0.03),
+    (draw_tubes, 0.04),
+    (draw_sheet, 0.05),
+    (draw_figure, 0.13),
+    (draw_machine, 0.07),
+    (draw_insect, 0.03),
+    (draw_crowd, 0.05),
 )
 """What solids are drawn from, and the share of each."""

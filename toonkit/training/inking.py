@@ -59,7 +59,7 @@ def random_ink(mask: BoolArray, contours: BoolArray, normals: Array, rng: np.ran
     return ink if ink.sum() <= MOST * mask.sum() else np.zeros_like(mask)
 
 
-def uninked(values: Array, ink: BoolArray, mask: BoolArray) -> Array:
+def remove_ink(values: Array, ink: BoolArray, mask: BoolArray) -> Array:
     """Return values (S, S) with those under the ink replaced by the nearest that show."""
     if not ink.any():
         return values

@@ -37,8 +37,8 @@ class LightTask:
 
         Errors in degrees: mean, median and of the surest half without ink, and the mean in ink.
         """
-        error, sure = _judged(average, drawings, count, inked=0.0)
-        in_ink, _ = _judged(average, drawings, count, inked=1.0)
+        error, sure = _measure_errors(average, drawings, count, inked=0.0)
+        in_ink, _ = _measure_errors(average, drawings, count, inked=1.0)
         order = torch.argsort(sure, descending=True)
         surest, rest = order.tensor_split(2)
         return {
@@ -50,7 +50,9 @@ class LightTask:
         }
 
 
-def _judged(average: nn.Module, drawings: Drawings, count: int, *, inked: float) -> tuple[Tensor, Tensor]:
+def _measure_errors(
+    average: nn.Module, drawings: Drawings, count: int, *, inked: float
+) -> tuple[Tensor, Tensor]:
     """Errors in degrees, and how sure the network was of each."""
     errors, certain = [], []
     for first in range(0, count, 64):

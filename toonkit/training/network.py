@@ -122,7 +122,7 @@ def take_over(network: nn.Module, weights: Weights) -> None:
     """
     Make a network answer as exported weights do; feature maps that were added since, at the end, count for nothing.
 
-    Normalizations do nothing at first: see `normalized`.
+    Normalizations do nothing at first: see `set_normalizations`.
     """
     for name, module in network.named_modules():
         if not (isinstance(module, Layer | nn.Linear) or name == "out"):
@@ -141,7 +141,7 @@ def take_over(network: nn.Module, weights: Weights) -> None:
                 module.bias.copy_(bias)
 
 
-def normalized(network: nn.Module, run: Callable[[], object]) -> None:
+def set_normalizations(network: nn.Module, run: Callable[[], object]) -> None:
     """
     Let the normalizations of a network do what they are for, without a change of its answers.
 
@@ -172,7 +172,7 @@ def normalized(network: nn.Module, run: Callable[[], object]) -> None:
         hook.remove()
 
 
-def exported(network: nn.Module) -> Weights:
+def export_weights(network: nn.Module) -> Weights:
     """Return the weights as `toonkit.estimation.convolution` takes them, each normalization folded into its layer."""
     weights: Weights = {}
     for name, module in network.named_modules():

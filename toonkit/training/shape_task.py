@@ -43,7 +43,7 @@ class ShapeTask:
     def figures(self, average: nn.Module, drawings: Drawings, count: int) -> dict[str, float]:
         """Return mean errors over `count` drawings that never change, degrees: of N0, corrected, and corrected in ink."""
         (initial, corrected), (_, in_ink) = (
-            _judged(average, drawings, count, inked=ink, colored=self.colored) for ink in (0.0, 1.0)
+            _measure_errors(average, drawings, count, inked=ink, colored=self.colored) for ink in (0.0, 1.0)
         )
         return {"initial": initial, "corrected": corrected, "corrected, in ink": in_ink}
 
@@ -56,7 +56,7 @@ class ColoredShapeTask(ShapeTask):
     colored = True
 
 
-def _judged(
+def _measure_errors(
     average: nn.Module, drawings: Drawings, count: int, *, inked: float, colored: bool
 ) -> tuple[float, float]:
     """Mean errors in degrees of N0 and of what the network makes of it."""

@@ -68,7 +68,7 @@ class Part(NamedTuple):
     width: float
 
 
-def body_kind(rng: np.random.Generator) -> int:
+def draw_body_kind(rng: np.random.Generator) -> int:
     """Draw the kind of primitive that a body is."""
     return int(rng.choice([ELLIPSOID, BOX, CAPSULE, TORUS, CONE], p=[0.5, 0.12, 0.15, 0.05, 0.18]))
 
@@ -99,7 +99,7 @@ def random_primitive(rng: np.random.Generator, kind: int, center: FloatArray, sc
     return Part(kind, random_rotation(rng), center, np.asarray(sizes, dtype=np.float64), float(width))
 
 
-def attached_part(rng: np.random.Generator, parts: list[Part], scale: float, *, front: bool = False) -> Part:
+def attach_part(rng: np.random.Generator, parts: list[Part], scale: float, *, front: bool = False) -> Part:
     """Draw a part whose center lies near the surface of one that is there."""
     _, turn, center, sizes, _ = parts[int(rng.integers(len(parts)))]
     direction = rng.normal(size=3)
@@ -113,12 +113,12 @@ def attached_part(rng: np.random.Generator, parts: list[Part], scale: float, *, 
     return random_primitive(rng, kind, place, scale)
 
 
-def front_features(rng: np.random.Generator, parts: list[Part]) -> list[Part]:
+def draw_front_features(rng: np.random.Generator, parts: list[Part]) -> list[Part]:
     """Draw small parts on the front of others, a quarter of them cut out."""
     features = []
     scale = rng.uniform(0.08, 0.25)
     for _ in range(int(rng.integers(2, 8))):
-        feature = attached_part(rng, parts, scale * rng.uniform(0.6, 1.5), front=True)
+        feature = attach_part(rng, parts, scale * rng.uniform(0.6, 1.5), front=True)
         features.append(feature._replace(width=-feature.width) if rng.random() < 0.25 else feature)
     return features
 
@@ -164,7 +164,7 @@ def random_tube(
     return parts
 
 
-def flattened(parts: list[Part], share: float) -> list[Part]:
+def flatten(parts: list[Part], share: float) -> list[Part]:
     """Press parts flat along z, ellipsoids with them."""
     flat = [part._replace(center=part.center * [1.0, 1.0, share]) for part in parts]
     return [
@@ -175,7 +175,7 @@ def flattened(parts: list[Part], share: float) -> list[Part]:
     ]
 
 
-def fitted(parts: list[Part]) -> list[Part]:
+def fit_size(parts: list[Part]) -> list[Part]:
     """Center parts and shrink them to the size of the other families."""
     low, high = (
         function([part.center + sign * part.sizes[:3].max() for part in parts], axis=0)
@@ -198,7 +198,7 @@ def random_waves(rng: np.random.Generator) -> FloatArray:
     return np.concatenate([vectors, rng.uniform(0, 2 * np.pi, (count, 1)), heights], axis=1)
 
 
-def assembled(
+def assemble(
     parts: list[Part], *, view: FloatArray, mirrored: bool = False, waves: FloatArray | None = None
 ) -> Solid:
     """Return the solid of some parts."""

@@ -16,13 +16,13 @@ from toonkit._validation import refuse
 from toonkit.estimation.convolution import Weights
 from toonkit.export.atomic import atomic_write
 from toonkit.training.drawings import Drawings
-from toonkit.training.network import exported, normalized, take_over
+from toonkit.training.network import export_weights, set_normalizations, take_over
 
 AVERAGING = 0.998
 """Weight of the old average in the new one at each step; the averaged weights are the ones shipped."""
 
 
-TOLD = ("shapes", "shape_seed", "steps", "batch", "rate", "keep", "seed")
+STORED_OPTIONS = ("shapes", "shape_seed", "steps", "batch", "rate", "keep", "seed")
 """Options that a record names."""
 
 FIGURES = "figures, degrees, on shapes kept aside"
@@ -116,14 +116,16 @@ class Training:
         ToonkitError
             If the weights are of another network.
         """
-        known = exported(self.network)
-        if _leaving(weights) != _leaving(known) or _more_enter(weights, known):
+        known = export_weights(self.network)
+        if _output_shapes(weights) != _output_shapes(known) or _more_enter(weights, known):
             raise refuse("start", f"must be weights of the {self.task.name}", "those of another network")
         take_over(self.network, weights)
-        self.begun = {name: torch.from_numpy(values) for name, values in exported(self.network).items()}
+        self.begun = {name: torch.from_numpy(values) for name, values in export_weights(self.network).items()}
         rng = np.random.default_rng([self.options.seed])
         self.network.eval()
-        normalized(self.network, lambda: self.task.loss(self.network, drawings, rng, self.options.batch))
+        set_normalizations(
+            self.network, lambda: self.task.loss(self.network, drawings, rng, self.options.batch)
+        )
         self.network.train()
         self.average.load_state_dict(self.network.state_dict())
         self.earlier = made
@@ -149,10 +151,10 @@ class Training:
     @property
     def record(self) -> dict[str, Any]:
         """What to say of this training: its command, steps, seconds and figures."""
-        return _record(self._told)
+        return _record(self._facts)
 
     @property
-    def _told(self) -> dict[str, Any]:
+    def _facts(self) -> dict[str, Any]:
         """What a checkpoint says in words and numbers, but for what was learned."""
         return {
             "task": self.task.name,
@@ -191,7 +193,7 @@ class Training:
             raise refuse("keep", "needs weights to start from", keep)
         return {
             name: (1.0 - keep) * values + keep * self.begun[name].numpy() if keep else values
-            for name, values in exported(self.average).items()
+            for name, values in export_weights(self.average).items()
         }
 
     def shipped_network(self) -> nn.Module:
@@ -203,7 +205,7 @@ class Training:
     def save(self, path: Path) -> None:
         """Write a checkpoint atomically."""
         state = {
-            **self._told,
+            **self._facts,
             "network": self.network.state_dict(),
             "average": self.average.state_dict(),
             "optimizer": self.optimizer.state_dict(),
@@ -241,7 +243,7 @@ class Training:
 
 def _record(told: dict[str, Any]) -> dict[str, Any]:
     """Return what to say of a training, given what its checkpoint tells."""
-    words = [f"--{name.replace('_', '-')} {told['options'][name]}" for name in TOLD]
+    words = [f"--{name.replace('_', '-')} {told['options'][name]}" for name in STORED_OPTIONS]
     start = ["--start BEFORE"] if told["earlier"] else []
     kind = told["task"].removesuffix("_prior")
     return {
@@ -252,7 +254,7 @@ def _record(told: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _leaving(weights: Weights) -> dict[str, tuple[int, ...]]:
+def _output_shapes(weights: Weights) -> dict[str, tuple[int, ...]]:
     """Return what tells one network from another: the maps that leave each layer, and its size; not those that enter."""
     return {name: (len(values), *values.shape[2:]) for name, values in weights.items()}
 

@@ -33,21 +33,11 @@ _COLORS, _MOST_COLORS = 1 << 24, 1 << 12
 
 def labels_of_flats(layers: Sequence[Layer], mask: BoolArray) -> NDArray[np.intp] | None:
     """
-    Give each color of flat layers a number.
+    Give each color of flat layers, the bottom first, a number (H, W): that of the most frequent color is 0.
 
-    Parameters
-    ----------
-    layers : sequence of Layer
-        Layers of flat colors, the bottom first.
-    mask : ndarray of bool, shape (H, W)
-        The object.
-
-    Returns
-    -------
-    ndarray of int, shape (H, W), or None
-        Numbers from 0 on, that of the most frequent color first; -1 where no layer is at least half opaque. Pixels whose
-        color occurs nowhere in a block of 3 x 3 are mixed along a border, and belong to the nearest area. None if the
-        layers are not flat: they have too many colors, or too few pixels in them.
+    Pixels have -1 where no layer is at least half opaque. A pixel whose color occurs nowhere in a block of 3 x 3 is
+    mixed along a border, and belongs to the nearest area. Returns None if the layers are not flat: they have too many
+    colors, or too few pixels in them.
     """
     check_area(layers)
     color = np.full(mask.shape, -1, np.int32)

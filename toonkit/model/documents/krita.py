@@ -42,26 +42,7 @@ _BLENDS: dict[str, Any] = {"normal": "normal", "multiply": "multiply"}
 
 
 def open_krita(argument: str, members: ZipMembers) -> Document:
-    """
-    Open a Krita document.
-
-    Parameters
-    ----------
-    argument : str
-        Name of the argument, for messages.
-    members : ZipMembers
-        The file.
-
-    Returns
-    -------
-    Document
-        Its merged picture, and its paint layers in RGB of 8 or 16 bits.
-
-    Raises
-    ------
-    ToonkitError
-        If it is damaged or too large.
-    """
+    """Open a Krita document: its merged picture, and its paint layers in RGB of 8 or 16 bits."""
     image = next((element for element in members.read_xml(DESCRIPTION) if _tag(element) == "IMAGE"), None)
     if image is None:
         raise members.damaged(f"{DESCRIPTION} without a picture")

@@ -20,26 +20,7 @@ _BLENDS: dict[str, Any] = {"svg:src-over": "normal", "svg:multiply": "multiply"}
 
 
 def open_raster(argument: str, members: ZipMembers) -> Document:
-    """
-    Open an OpenRaster document.
-
-    Parameters
-    ----------
-    argument : str
-        Name of the argument, for messages.
-    members : ZipMembers
-        The file.
-
-    Returns
-    -------
-    Document
-        Its merged picture, and its layers.
-
-    Raises
-    ------
-    ToonkitError
-        If it is damaged or too large.
-    """
+    """Open an OpenRaster document: its merged picture, and its layers."""
     root = members.read_xml("stack.xml")
     shape = members.canvas_shape(root, ("h", "w"))
     layers = [

@@ -23,24 +23,10 @@ _START = 100
 
 def open_document(argument: str, source: PictureSource) -> Document | None:
     """
-    Open a layered document.
+    Open a Photoshop, OpenRaster or Krita file, whatever its name, or a folder of pictures.
 
-    Parameters
-    ----------
-    argument : str
-        Name of the argument, for messages.
-    source : path, binary file object or array_like
-        What may be a document: a Photoshop, OpenRaster or Krita file, whatever its name, or a folder of pictures.
-
-    Returns
-    -------
-    Document or None
-        None if it is something else; an open file is then where it was.
-
-    Raises
-    ------
-    ToonkitError
-        If it is a document that cannot be read.
+    Returns None for anything else; an open file is then where it was. Raises `ToonkitError` if it is a document that
+    cannot be read.
     """
     try:
         if isinstance(source, str | os.PathLike):

@@ -30,26 +30,10 @@ _ADVICE = "(Photoshop: Image > Mode)"
 
 def open_photoshop(argument: str, data: bytes, name: str) -> Document:
     """
-    Open a Photoshop document.
+    Open a Photoshop document: its layers of pixels, without adjustments and the like.
 
-    Parameters
-    ----------
-    argument : str
-        Name of the argument, for messages.
-    data : bytes
-        The file, which starts with `SIGNATURE`.
-    name : str
-        Of the file, for messages.
-
-    Returns
-    -------
-    Document
-        Its layers of pixels; adjustments and other layers without pixels are left out.
-
-    Raises
-    ------
-    ToonkitError
-        If it is damaged, too large, neither RGB nor grayscale of 8 or 16 bits, or if psd-tools is missing.
+    Raises `ToonkitError` if it is damaged, too large, neither RGB nor grayscale of 8 or 16 bits, or if psd-tools is
+    missing.
     """
     if len(data) < _HEADER.size:
         raise refuse(argument, "must be a complete Photoshop document", name)

@@ -32,25 +32,11 @@ _ANALYSIS = "analysis.npz"
 
 def open_folder(argument: str, folder: Path) -> Document:
     """
-    Open a folder of layers.
+    Open a folder of layers, which are named like their files.
 
-    Parameters
-    ----------
-    argument : str
-        Name of the argument, for messages.
-    folder : Path
-        Holds layers.json, or PNG and WebP files that are sorted by their names, the bottom first; numbers in them count as
-        numbers. One may be named like the first of `MERGED_NAMES`; else the layers are put over one another.
-
-    Returns
-    -------
-    Document
-        Layers named like their files, without suffix.
-
-    Raises
-    ------
-    ToonkitError
-        If no file in it says that it holds layers, or they are not of one size.
+    It holds layers.json, or PNG and WebP files that are sorted by their names, the bottom first; numbers in them count
+    as numbers. One may be named like the first of `MERGED_NAMES`; else the layers are put over one another. Raises
+    `ToonkitError` if no file in it says that it holds layers, or they are not of one size.
     """
     files = sorted(
         (path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and path.name[0] != "."),

@@ -12,7 +12,7 @@ from scipy import stats
 
 from toonkit._validation import FloatArray, as_array, refuse
 from toonkit.study.measures import Measure
-from toonkit.study.reporting.cells import Cells, cells, names_in
+from toonkit.study.reporting.measure_table import MeasureTable, arrange, names_in
 from toonkit.study.reporting.statistics import Interval, Resamples, contrast, enough, is_ratio, resample
 
 TIE = 1e-9
@@ -77,31 +77,12 @@ def compare(
     generator: np.random.Generator | None = None,
 ) -> Comparison:
     """
-    Compare two methods on the same pictures.
+    Compare two methods on the same pictures in one of `MEASURES`; p is not corrected for other comparisons.
 
-    Parameters
-    ----------
-    trials : DataFrame
-        The study's table, of one light track.
-    method, versus : str
-        The methods.
-    measure : str
-        Key of `MEASURES`; one whose ideal is 1 is compared by its distance from 1.
-    generator : numpy.random.Generator, optional
-        As in `toonkit.study.reporting.statistics.resample`.
-
-    Returns
-    -------
-    Comparison
-        Not corrected for there being others.
-
-    Raises
-    ------
-    ToonkitError
-        If a method is not in the table, or as `toonkit.study.reporting.cells.cells` does.
+    A measure whose ideal is 1 is compared by its distance from 1. Raises `ToonkitError` if a method is not in the table.
     """
-    table = cells(trials, measure)
-    return _compared(table, method, versus, resample(table, generator=generator))
+    table = arrange(trials, measure)
+    return _compare(table, method, versus, resample(table, generator=generator))
 
 
 def comparisons(
@@ -114,35 +95,20 @@ def comparisons(
     """
     Compare pairs of methods in several measures, corrected for their number.
 
-    Parameters
-    ----------
-    trials : DataFrame
-        The study's table, of one light track.
-    pairs : sequence of (str, str), optional
-        Methods; by default `pairs_in` the table. A pair of which one is not in the table is left out, and so is `flat`
-        where it has no choice.
-    measures : sequence of str, optional
-        Keys of `MEASURES`.
-    generator : numpy.random.Generator, optional
-        As in `toonkit.study.reporting.statistics.resample`.
-
-    Returns
-    -------
-    DataFrame
-        A row for each comparison, with the fields of `Comparison`; the interval is `difference`, `low`, `high`, `trials`.
-        `p_holm` is `p` corrected over all rows.
+    Returns a row for each comparison: the fields of `Comparison`, and `p_holm`. Pairs are those of `pairs_in` by
+    default. Left out are pairs that are not in the table, and `flat` in measures that are fixed for it.
     """
     if pairs is None:
         pairs = pairs_in(names_in(trials, "method"))
     rows = []
     draws: Resamples | None = None
     for measure in measures:
-        table = cells(trials, measure)
+        table = arrange(trials, measure)
         draws = draws or resample(table, generator=generator)
         for method, versus in pairs:
             chosen = measure not in BY_CONSTRUCTION or "flat" not in (method, versus)
             if {method, versus} <= set(table.methods) and chosen:
-                rows.append(_row(_compared(table, method, versus, draws)))
+                rows.append(_row(_compare(table, method, versus, draws)))
     if not rows:
         raise refuse("trials", "must hold two methods to compare", ", ".join(names_in(trials, "method")))
     table = pd.DataFrame(rows)
@@ -151,17 +117,7 @@ def comparisons(
 
 def pairs_in(methods: Iterable[str]) -> tuple[tuple[str, str], ...]:
     """
-    Choose what is compared: `PAIRS`, and every newcomer with all others.
-
-    Parameters
-    ----------
-    methods : iterable of str
-        Those of a table, in its order.
-
-    Returns
-    -------
-    tuple of (str, str)
-        Method and what it is compared with; no two methods twice.
+    Choose what is compared: `PAIRS`, and every newcomer with all others; no two methods twice.
 
     Examples
     --------
@@ -182,17 +138,7 @@ def has_pairs(trials: pd.DataFrame) -> bool:
 
 def holm(p_values: ArrayLike) -> FloatArray:
     """
-    Correct p-values for their number, by Holm's step-down method.
-
-    Parameters
-    ----------
-    p_values : array_like, shape (n,)
-        In [0, 1]; NaN is no test, and stays NaN.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        The chance of any false alarm among all n tests, if one rejects whatever has no larger value.
+    Correct p-values (n,) for their number by Holm's step-down method; NaN, which is no test, stays NaN.
 
     Examples
     --------
@@ -210,20 +156,10 @@ def holm(p_values: ArrayLike) -> FloatArray:
 
 def signed_rank(differences: FloatArray, *, median: bool = False) -> float:
     """
-    Test whether the rows of a table of differences have centers around 0, by Wilcoxon's signed-rank test.
+    Return the two-sided p of Wilcoxon's signed-rank test of the centers of rows, shape (rows, columns), against 0.
 
-    Parameters
-    ----------
-    differences : ndarray, shape (rows, columns)
-        NaN where there is none.
-    median : bool, optional
-        Whether a row's center is its median instead of its mean.
-
-    Returns
-    -------
-    float
-        Two-sided p; 1 where nothing differs, NaN where there is nothing. Rows that have columns in common are not
-        independent, and p then too small.
+    Centers are means, or medians. p is 1 where nothing differs, NaN where there is nothing. Rows that have columns in common
+    are not independent, and p is then too small.
     """
     middle = np.median if median else np.mean
     centers = np.array([middle(row[np.isfinite(row)]) for row in differences if np.isfinite(row).any()])
@@ -233,7 +169,7 @@ def signed_rank(differences: FloatArray, *, median: bool = False) -> float:
     return float(stats.wilcoxon(apart).pvalue) if apart.size else 1.0
 
 
-def _compared(table: Cells, method: str, versus: str, draws: Resamples) -> Comparison:
+def _compare(table: MeasureTable, method: str, versus: str, draws: Resamples) -> Comparison:
     table = table.departures
     ours, theirs = table.of(method), table.of(versus)
     difference = ours - theirs

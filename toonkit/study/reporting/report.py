@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +12,11 @@ from toonkit._validation import refuse
 from toonkit.export.atomic import PathLike, atomic_write
 from toonkit.export.folder import make_folder
 from toonkit.study.measures import MEASURES
-from toonkit.study.reporting.cells import failures, on_track, tracks
+from toonkit.study.reporting.claims import check_claims
 from toonkit.study.reporting.comparisons import comparisons, has_pairs
-from toonkit.study.reporting.findings import Finding, findings
+from toonkit.study.reporting.measure_table import failures, on_track, tracks
 from toonkit.study.reporting.statistics import GROUPINGS, Grouping, breakdown, method_means
-from toonkit.study.reporting.tables import refinements
+from toonkit.study.reporting.tables import claim_checks, refinements
 from toonkit.study.reporting.text import report_text
 from toonkit.study.table import write_csv
 
@@ -61,7 +61,7 @@ def write_report(
     target = make_folder(folder)
     tables = report_tables(trials)
     written = {target / REPORT_NAME: "the report"}
-    text = report_text(trials, provenance, figures=_beside(figures or {}, target))
+    text = report_text(trials, provenance, figures=_relative_addresses(figures or {}, target))
     with atomic_write(target / REPORT_NAME) as file:
         file.write(text.encode())
     for name, (what, table) in tables.items():
@@ -70,24 +70,7 @@ def write_report(
 
 
 def report_tables(trials: pd.DataFrame) -> dict[str, tuple[str, pd.DataFrame]]:
-    """
-    Compute the report's tables.
-
-    Parameters
-    ----------
-    trials : DataFrame
-        The study's table.
-
-    Returns
-    -------
-    dict
-        Name -> what it is, and the table, in numbers. Every table names the light track in its first column.
-
-    Raises
-    ------
-    ToonkitError
-        If the table is empty or holds a trial twice.
-    """
+    """Compute the report's tables in numbers: name -> what it is, and the table with the light track in its first column."""
     if trials.empty:
         raise refuse("trials", "must hold at least one trial", "an empty table")
     parts = [(track, on_track(trials, track)) for track in tracks(trials)]
@@ -103,45 +86,27 @@ def report_tables(trials: pd.DataFrame) -> dict[str, tuple[str, pd.DataFrame]]:
         **{
             f"by_{by}": (
                 f"means and medians by {by.replace('_', ' ')}",
-                [_broken_down(part, by) for _, part in parts],
+                [_break_down(part, by) for _, part in parts],
             )
             for by in GROUPINGS
         },
         "refinements": ("how the refinements ended", [refinements(part).reset_index() for _, part in parts]),
-        "findings": (
+        "claims": (
             "the paper's claims, check by check",
-            [_checks(findings(part)) for _, part in parts],
+            [claim_checks(check_claims(part)) for _, part in parts],
         ),
         "failures": ("trials that ended in an error", [failures(part) for _, part in parts]),
     }
-    return {name: (what, _joined(parts, group)) for name, (what, group) in tables.items()}
+    return {name: (what, _concatenate(parts, group)) for name, (what, group) in tables.items()}
 
 
-def _broken_down(trials: pd.DataFrame, by: Grouping) -> pd.DataFrame:
+def _break_down(trials: pd.DataFrame, by: Grouping) -> pd.DataFrame:
     parts = [breakdown(trials, column, by).reset_index().assign(measure=column) for column in BROKEN_DOWN]
     table = pd.concat(parts, ignore_index=True)
     return table[["measure", *table.columns.drop("measure")]]
 
 
-def _checks(found: Iterable[Finding]) -> pd.DataFrame:
-    return pd.DataFrame(
-        [
-            {
-                "key": finding.key,
-                "section": finding.section,
-                "claim": finding.claim,
-                "verdict": finding.verdict,
-                "check": check.says,
-                "outcome": check.outcome,
-                "evidence": check.evidence,
-            }
-            for finding in found
-            for check in finding.checks
-        ]
-    )
-
-
-def _joined(parts: list[tuple[Any, pd.DataFrame]], tables: list[pd.DataFrame]) -> pd.DataFrame:
+def _concatenate(parts: list[tuple[Any, pd.DataFrame]], tables: list[pd.DataFrame]) -> pd.DataFrame:
     named = []
     for (track, _), table in zip(parts, tables, strict=True):
         named.append(table.drop(columns="light_track", errors="ignore"))
@@ -149,7 +114,7 @@ def _joined(parts: list[tuple[Any, pd.DataFrame]], tables: list[pd.DataFrame]) -
     return pd.concat(named, ignore_index=True)
 
 
-def _beside(figures: Mapping[Path, str], folder: Path) -> dict[str, str]:
+def _relative_addresses(figures: Mapping[Path, str], folder: Path) -> dict[str, str]:
     """Return the pictures that a page can show, by their address as seen from the report's folder."""
     pictures = {path: caption for path, caption in figures.items() if path.suffix == ".png"}
     return {

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray, refuse
 from toonkit.study.measures import MEASURES, Measure
-from toonkit.study.reporting.cells import Cells, cells, check, failed
+from toonkit.study.reporting.measure_table import MeasureTable, arrange, check, failed
 
 SEED = 2016
 RESAMPLES = 10_000
@@ -89,22 +89,8 @@ class Resamples:
     color_maps: FloatArray
 
 
-def resample(table: Cells, *, generator: np.random.Generator | None = None) -> Resamples:
-    """
-    Draw shapes and color maps with replacement.
-
-    Parameters
-    ----------
-    table : Cells
-        Any measure of the table.
-    generator : numpy.random.Generator, optional
-        Random generator; one that starts at `SEED` by default, so that all measures use the same resamples.
-
-    Returns
-    -------
-    Resamples
-        `RESAMPLES` of them.
-    """
+def resample(table: MeasureTable, *, generator: np.random.Generator | None = None) -> Resamples:
+    """Draw shapes and color maps with replacement; by default from `SEED`, so that all measures use the same resamples."""
     source = np.random.default_rng(SEED) if generator is None else generator
     counts = (
         source.multinomial(number, np.full(number, 1 / number), size=RESAMPLES).astype(np.float64)
@@ -115,21 +101,9 @@ def resample(table: Cells, *, generator: np.random.Generator | None = None) -> R
 
 def center(values: FloatArray, draws: Resamples, *, median: bool = False) -> Interval:
     """
-    Take the center of one value per pair, and its interval.
+    Take the center of values (shapes, color maps), NaN where there is none, with its interval if there is `enough`.
 
-    Parameters
-    ----------
-    values : ndarray, shape (shapes, color maps)
-        NaN where there is none.
-    draws : Resamples
-        Of the same shapes and color maps.
-    median : bool, optional
-        The median instead of the mean.
-
-    Returns
-    -------
-    Interval
-        The center of what is there, with percentiles of the centers of all resamples if there is `enough`.
+    The center is the mean, or the median.
     """
     there = np.isfinite(values)
     if not there.any():
@@ -148,25 +122,11 @@ def enough(values: FloatArray) -> bool:
     return bool(min(there.any(axis=0).sum(), there.any(axis=1).sum()) >= FEWEST)
 
 
-def contrast(table: Cells, weights: Mapping[str, float], draws: Resamples) -> Interval:
+def contrast(table: MeasureTable, weights: Mapping[str, float], draws: Resamples) -> Interval:
     """
-    Return the mean (of ratios the median), with its interval, of a weighted sum of methods over paired trials.
+    Return the center of a weighted sum of methods over the pairs that all of them completed.
 
-    The weights {"todo": 1, "lumo": -1} give the difference of two methods.
-
-    Parameters
-    ----------
-    table : Cells
-        The measure.
-    weights : mapping of str to float
-        Method -> weight.
-    draws : Resamples
-        Bootstrap resamples of the same table.
-
-    Returns
-    -------
-    Interval
-        Over the pairs of a shape and a color map for which no method failed.
+    The weights {"todo": 1, "lumo": -1} give the difference of two methods. Of ratios the center is the median.
     """
     combined = sum((weight * table.of(method) for method, weight in weights.items()), np.zeros(1))
     return center(np.asarray(combined), draws, median=is_ratio(table.measure))
@@ -181,35 +141,18 @@ def method_means(
     trials: pd.DataFrame, measures: Sequence[str] = HEADLINE, *, generator: np.random.Generator | None = None
 ) -> pd.DataFrame:
     """
-    Take the center of every method in several measures.
+    Take the center of every method in several measures, over the pairs that every method completed.
 
-    Parameters
-    ----------
-    trials : DataFrame
-        The study's table, of one light track.
-    measures : sequence of str, optional
-        Keys of `MEASURES`.
-    generator : numpy.random.Generator, optional
-        As in `resample`.
-
-    Returns
-    -------
-    DataFrame
-        A row for each measure and method: `measure`, `method`, `center` with `low` and `high`, `departure` (the center of
-        the distances from the ideal; the same as `center` for an error), `trials` (pairs it is over: those that every
-        method completed) and `failed` (trials of this method that ended in an error).
-
-    Raises
-    ------
-    ToonkitError
-        As `toonkit.study.reporting.cells.cells` does.
+    Returns a row for each measure and method: `measure`, `method`, `center` with `low` and `high`, `departure` (the
+    center of the distances from the ideal), `trials` (pairs) and `failed` (trials of this method that ended in an
+    error).
     """
     check(trials)
     wrong = trials.loc[failed(trials), "method"].value_counts()
     draws: Resamples | None = None
     rows = []
     for column in measures:
-        table = cells(trials, column)
+        table = arrange(trials, column)
         draws = draws or resample(table, generator=generator)
         median = is_ratio(table.measure)
         for method in table.methods:
@@ -232,31 +175,13 @@ def method_means(
 
 def breakdown(trials: pd.DataFrame, measure: str, by: Grouping) -> pd.DataFrame:
     """
-    Take the center of every method, group by group.
+    Take the center of every method by shape, color map or kind of shape, over the pairs that every method completed.
 
-    Parameters
-    ----------
-    trials : DataFrame
-        The study's table, of one light track.
-    measure : str
-        Key of `MEASURES`.
-    by : {"shape", "color_map", "shape_kind"}
-        What a group has in common.
-
-    Returns
-    -------
-    DataFrame
-        A row for each group in the order of the study, a column for each method, and `trials`: the pairs of the group
-        that every method completed, over which its centers are.
-
-    Raises
-    ------
-    ToonkitError
-        If the grouping is unknown, or as `toonkit.study.reporting.cells.cells` does.
+    Returns a row for each group in the order of the study, a column for each method, and `trials`, the number of pairs.
     """
     if by not in GROUPINGS:
         raise refuse("by", f"must be one of {', '.join(GROUPINGS)}", repr(by))
-    table = cells(trials, measure)
+    table = arrange(trials, measure)
     names = _groups(trials, table, by)
     flat = pd.DataFrame({name: table.shared(name).ravel() for name in table.methods})
     groups = flat.groupby(names.ravel(), sort=False)
@@ -265,7 +190,7 @@ def breakdown(trials: pd.DataFrame, measure: str, by: Grouping) -> pd.DataFrame:
     return centers.rename_axis(by)
 
 
-def _groups(trials: pd.DataFrame, table: Cells, by: Grouping) -> NDArray[np.object_]:
+def _groups(trials: pd.DataFrame, table: MeasureTable, by: Grouping) -> NDArray[np.object_]:
     """Return the group of each pair, shape (shapes, color maps)."""
     size = len(table.shapes), len(table.color_maps)
     if by == "color_map":

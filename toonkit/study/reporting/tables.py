@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from toonkit.study.measures import MEASURES
-from toonkit.study.reporting.cells import completeness, failed
-from toonkit.study.reporting.findings import Finding
+from toonkit.study.reporting.claims import Claim
+from toonkit.study.reporting.measure_table import completeness, failed
 from toonkit.study.reporting.statistics import Interval, is_ratio
 
 EXTREMES = 3
@@ -19,7 +19,7 @@ UNRANKED = ("seconds",)
 """Measures without a best method: trials are timed while others run."""
 
 IDLE = "flat"
-"""The contestant that estimates nothing, and is never called the best."""
+"""The estimator that estimates nothing, and is never called the best."""
 
 
 def heading(column: str) -> str:
@@ -30,20 +30,8 @@ def heading(column: str) -> str:
     return f"{label}, median" if is_ratio(measure) else label
 
 
-def shown_means(means: pd.DataFrame) -> pd.DataFrame:
-    """
-    Show centers with their intervals.
-
-    Parameters
-    ----------
-    means : DataFrame
-        Of `toonkit.study.reporting.statistics.method_means`.
-
-    Returns
-    -------
-    DataFrame of str
-        A row for each method, a column for each measure.
-    """
+def show_means(means: pd.DataFrame) -> pd.DataFrame:
+    """Show what `method_means` returned: a row for each method, a column for each measure, centers with their intervals."""
     columns = {}
     for column, group in means.groupby("measure", sort=False):
         columns[heading(str(column))] = {
@@ -63,24 +51,12 @@ def best_methods(means: pd.DataFrame) -> dict[str, list[str]]:
     return best
 
 
-def shown_comparisons(table: pd.DataFrame) -> pd.DataFrame:
-    """
-    Show comparisons of pairs.
-
-    Parameters
-    ----------
-    table : DataFrame
-        Of `toonkit.study.reporting.comparisons.comparisons`.
-
-    Returns
-    -------
-    DataFrame of str
-        A row for each comparison.
-    """
+def show_comparisons(table: pd.DataFrame) -> pd.DataFrame:
+    """Show what `comparisons` returned, a row for each."""
     return pd.DataFrame(
         [
             {
-                "measure": _compared(row.measure),
+                "measure": _label_difference(row.measure),
                 "method": row.method,
                 "against": row.versus,
                 "difference": Interval(row.difference, row.low, row.high, row.trials).shown(
@@ -95,22 +71,8 @@ def shown_comparisons(table: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def shown_breakdown(groups: pd.DataFrame, column: str) -> pd.DataFrame:
-    """
-    Show the centers of groups.
-
-    Parameters
-    ----------
-    groups : DataFrame
-        Of `toonkit.study.reporting.statistics.breakdown`.
-    column : str
-        The measure that it is of.
-
-    Returns
-    -------
-    DataFrame of str
-        The same rows and columns.
-    """
+def show_breakdown(groups: pd.DataFrame, column: str) -> pd.DataFrame:
+    """Show what `breakdown` returned for a measure."""
     measure = MEASURES[column]
     shown = groups.drop(columns="trials").map(
         lambda value: measure.shown(value) if np.isfinite(value) else "not measured"
@@ -119,21 +81,7 @@ def shown_breakdown(groups: pd.DataFrame, column: str) -> pd.DataFrame:
 
 
 def extremes(groups: pd.DataFrame, column: str) -> pd.DataFrame:
-    """
-    Name each method's best and worst groups.
-
-    Parameters
-    ----------
-    groups : DataFrame
-        Of `toonkit.study.reporting.statistics.breakdown`.
-    column : str
-        The measure that it is of.
-
-    Returns
-    -------
-    DataFrame of str
-        A row for each method: `best` and `worst`, at most `EXTREMES` groups each, the extreme one first.
-    """
+    """Name for each method the `best` and `worst` groups of a breakdown: at most `EXTREMES` each, the extreme one first."""
     measure = MEASURES[column]
     rows = {}
     for method in groups.columns.drop("trials"):
@@ -148,35 +96,45 @@ def extremes(groups: pd.DataFrame, column: str) -> pd.DataFrame:
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis("method")
 
 
-def shown_findings(found: Sequence[Finding]) -> pd.DataFrame:
+def claim_checks(claims: Sequence[Claim]) -> pd.DataFrame:
+    """List all checks of all claims, a row each, with the claim's verdict."""
+    return pd.DataFrame(
+        [
+            {
+                "key": claim.key,
+                "section": claim.section,
+                "claim": claim.text,
+                "verdict": claim.verdict,
+                "check": check.says,
+                "outcome": check.outcome,
+                "numbers": check.numbers,
+            }
+            for claim in claims
+            for check in claim.checks
+        ]
+    )
+
+
+def show_claims(claims: Sequence[Claim]) -> pd.DataFrame:
     """Show the claims with their verdicts: a row for each."""
-    rows = [
-        {
-            "claim": finding.claim,
-            "section": finding.section,
-            "verdict": finding.verdict,
-            "checks that hold": f"{len(finding.checks_that('holds'))} of {len(finding.checks)}",
-        }
-        for finding in found
-    ]
-    return pd.DataFrame(rows, index=pd.Index([finding.key for finding in found], name="key"))
+    rows = {
+        claim.key: {"claim": claim.text, "section": claim.section, "verdict": claim.verdict}
+        for claim in claims
+    }
+    return pd.DataFrame.from_dict(rows, orient="index").rename_axis("key")
+
+
+def show_checks(claims: Sequence[Claim]) -> pd.DataFrame:
+    """Show the checks of all claims: a row for each, with its outcome."""
+    return claim_checks(claims)[["key", "check", "outcome", "numbers"]].set_index("key")
 
 
 def refinements(trials: pd.DataFrame) -> pd.DataFrame:
     """
-    Tell how the methods' refinements ended.
+    Tell how the methods' refinements ended, a row for each method.
 
-    Parameters
-    ----------
-    trials : DataFrame
-        The study's table, of one light track.
-
-    Returns
-    -------
-    DataFrame
-        A row for each method: `completed` and `failed` trials, median and largest number of `iterations` (sweeps, or
-        cycles of the multigrid), the share that `converged`, the most frequent reason why it `stopped`, and the
-        `seconds` of wall time of all its analyses together, while all cores were busy.
+    `iterations` are sweeps, or cycles of the multigrid; `stopped` is the most frequent reason; `seconds` is the wall time of
+    all analyses of the method, while all cores were busy.
     """
     completed = trials[~failed(trials)]
     groups = completed.groupby("method")
@@ -195,7 +153,7 @@ def refinements(trials: pd.DataFrame) -> pd.DataFrame:
     return table.reindex(counts.index).rename_axis("method")
 
 
-def shown_refinements(table: pd.DataFrame) -> pd.DataFrame:
+def show_refinements(table: pd.DataFrame) -> pd.DataFrame:
     """Show `refinements` as text."""
     whole = ["completed", "failed", "iterations, median", "iterations, most"]
     shown = table[whole].map(lambda value: f"{value:.0f}" if np.isfinite(value) else "none")
@@ -207,7 +165,7 @@ def shown_refinements(table: pd.DataFrame) -> pd.DataFrame:
     return shown
 
 
-def _compared(column: str) -> str:
+def _label_difference(column: str) -> str:
     return f"{heading(column)} of the distance from 1" if is_ratio(MEASURES[column]) else heading(column)
 
 

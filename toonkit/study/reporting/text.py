@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any, Literal
 
 import pandas as pd
 
 from toonkit.study.measures import MEASURES
 from toonkit.study.provenance import SHOWN_DIGITS
-from toonkit.study.reporting.cells import cells, failures, on_track, statement, tracks
+from toonkit.study.reporting.claims import RULE, check_claims
 from toonkit.study.reporting.comparisons import comparisons, has_pairs
-from toonkit.study.reporting.findings import RULE, Finding, disagreements, findings
+from toonkit.study.reporting.measure_table import arrange, failures, on_track, statement, tracks
 from toonkit.study.reporting.statistics import (
     GROUPINGS,
     HEADLINE,
@@ -25,11 +24,12 @@ from toonkit.study.reporting.tables import (
     best_methods,
     extremes,
     refinements,
-    shown_breakdown,
-    shown_comparisons,
-    shown_findings,
-    shown_means,
-    shown_refinements,
+    show_breakdown,
+    show_checks,
+    show_claims,
+    show_comparisons,
+    show_means,
+    show_refinements,
 )
 
 SHOWN_BY_GROUP = ("angular_error", "relight_rmse")
@@ -64,35 +64,19 @@ _HOW_PAIRS = (
 def report_text(
     trials: pd.DataFrame, provenance: Mapping[str, Any], *, figures: Mapping[str, str] | None = None
 ) -> str:
-    """
-    Write a study's report as Markdown.
-
-    Parameters
-    ----------
-    trials : DataFrame
-        The study's table.
-    provenance : mapping
-        As of `write_report`.
-    figures : mapping of str to str, optional
-        Address of each picture, with its caption.
-
-    Returns
-    -------
-    str
-        The text.
-    """
+    """Write a study's report as Markdown, with figures by address and caption; see `write_report`."""
     parts = {track: on_track(trials, track) for track in tracks(trials)}
     first = next(iter(parts.values()), trials)
-    found = findings(first)
+    claims = check_claims(first)
     sections = [
         _opening(first),
         *(_means_section(track, part) for track, part in parts.items()),
-        f"## The paper's claims\n\n{_markdown(shown_findings(found))}\n\n{RULE}\n\n{findings_text(found)}",
-        f"### Where the numbers disagree with the paper\n\n{disagreements_text(found)}",
+        f"## The paper's claims\n\n{_markdown(show_claims(claims))}",
+        f"### Checks\n\n{_markdown(show_checks(claims))}\n\n{RULE}",
         _pairs_section(first),
         *(_breakdown_section(first, by) for by in GROUPINGS),
         _failures_section(trials),
-        "## Refinements\n\n" + _markdown(shown_refinements(refinements(first))),
+        "## Refinements\n\n" + _markdown(show_refinements(refinements(first))),
         f"## Provenance\n\n{provenance_text(first, provenance)}",
     ]
     if figures:
@@ -103,7 +87,7 @@ def report_text(
 
 def means_text(means: pd.DataFrame, *, row_per: Literal["measure", "method"] = "measure") -> str:
     """Write what `toonkit.study.reporting.statistics.method_means` returns as a table in Markdown, the best in bold."""
-    shown = shown_means(means)
+    shown = show_means(means)
     for column, methods in best_methods(means).items():
         for method in methods:
             shown.loc[method, column] = f"**{shown.loc[method, column]}**"
@@ -111,40 +95,8 @@ def means_text(means: pd.DataFrame, *, row_per: Literal["measure", "method"] = "
     return _markdown(shown if row_per == "method" else shown.T.rename_axis("measure"))
 
 
-def findings_text(found: Sequence[Finding]) -> str:
-    """Write the paper's claims as Markdown, one by one, each with its verdict and its checks."""
-    claims = []
-    for finding in found:
-        checks = "\n".join(f"- {check}" for check in finding.checks)
-        claims.append(
-            f"**({finding.key}) {finding.claim}** Section {finding.section}; {finding.verdict}. "
-            f"{finding.measured}\n\n{checks}"
-        )
-    return "\n\n".join(claims)
-
-
-def disagreements_text(found: Sequence[Finding]) -> str:
-    """Write as a list in Markdown where the numbers contradict the paper or do not confirm it."""
-    return "\n".join(f"- {text}" for text in disagreements(found)) or "Nowhere: every check holds."
-
-
-def sweeps_text(sweeps: pd.DataFrame) -> str:
-    """Say how accurate the paper's method is after more sweeps, and at the minimum of its Eq. 5."""
-    errors = sweeps.groupby("sweeps")["angular_error"].mean()
-    start, least = errors.loc[0], errors.loc[math.inf]
-    granted = errors.drop([0, math.inf])
-    text = (
-        f"The mean error of the normals is {start:.1f}° before the first sweep and {least:.1f}° at the minimum of Eq. 5. "
-        f"It is smallest after {granted.idxmin():,.0f} sweeps, at {granted.min():.1f}°."
-    )
-    if least <= granted.min():
-        return f"{text} At the minimum it is no larger: a lower energy means better normals."
-    worth = "the method is accurate because it stops early" if least > start else "stopping early helps"
-    return f"{text} A lower energy does not always mean better normals: {worth}."
-
-
 def _opening(trials: pd.DataFrame) -> str:
-    table = cells(trials, HEADLINE[0])
+    table = arrange(trials, HEADLINE[0])
     counts = f"{len(table.shapes)} shapes x {len(table.color_maps)} color maps x {len(table.methods)} methods"
     size = int(trials["size"].iloc[0])
     return f"# Study: {counts}\n\nPictures of {size} x {size} pixels."
@@ -165,7 +117,7 @@ def _means_section(track: str, trials: pd.DataFrame) -> str:
 def _pairs_section(trials: pd.DataFrame) -> str:
     if not has_pairs(trials):
         return "## Pairs of methods\n\nThere is none to compare."
-    return f"## Pairs of methods\n\n{_markdown(shown_comparisons(comparisons(trials)), index=False)}\n\n{_HOW_PAIRS}"
+    return f"## Pairs of methods\n\n{_markdown(show_comparisons(comparisons(trials)), index=False)}\n\n{_HOW_PAIRS}"
 
 
 def _breakdown_section(trials: pd.DataFrame, by: Grouping) -> str:
@@ -173,7 +125,7 @@ def _breakdown_section(trials: pd.DataFrame, by: Grouping) -> str:
     for column in SHOWN_BY_GROUP:
         groups = breakdown(trials, column, by)
         parts.append(f"### {MEASURES[column].axis}")
-        parts.append(_markdown(shown_breakdown(groups, column)))
+        parts.append(_markdown(show_breakdown(groups, column)))
         if len(groups) > 2:
             parts.append(_markdown(extremes(groups, column)))
     return "\n\n".join(parts)

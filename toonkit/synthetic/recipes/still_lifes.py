@@ -65,6 +65,20 @@ def chess(rng: np.random.Generator) -> Model:
     return Model(parts, paints | {"gold": "yellow", "felt": "green"}, turned_view(rng, 35, (10, 26)))
 
 
+def _apple(rng: np.random.Generator, x: float, y: float, z: float, r: float) -> tuple[Solid, Solid, Solid]:
+    """Return flesh, stem and leaf of an apple."""
+    u = rng.uniform
+    flesh = carved(ellipsoid((x, y, z), (r, r * 0.92, r)), ball((x, y + r * 1.02, z), r * 0.3), fillet=0.08)
+    stem = tube([(x, y + r * 0.6, z), (x + 0.02, y + r, z), (x + 0.06, y + r * 1.25, z)], [0.02, 0.02, 0.028])
+    leaf = placed(
+        ellipsoid((0.11, 0, 0), (0.13, 0.065, 0.025)),
+        (x + 0.03, y + r * 1.05, z),
+        z=u(10, 50),
+        y=u(-30, 30),
+    )
+    return flesh, stem, leaf
+
+
 @recipe
 def fruit(rng: np.random.Generator) -> Model:
     """Draw a bowl of fruit."""
@@ -75,24 +89,8 @@ def fruit(rng: np.random.Generator) -> Model:
         ellipsoid((0, 0.06, 0), (0.74, 0.46, 0.56)),
     )
     foot = frustum((0, -0.66, 0), (0, -0.46, 0), 0.3, 0.2, 0.02)
-
-    def apple(x: float, y: float, z: float, r: float) -> tuple[Solid, Solid, Solid]:
-        flesh = carved(
-            ellipsoid((x, y, z), (r, r * 0.92, r)), ball((x, y + r * 1.02, z), r * 0.3), fillet=0.08
-        )
-        stem = tube(
-            [(x, y + r * 0.6, z), (x + 0.02, y + r, z), (x + 0.06, y + r * 1.25, z)], [0.02, 0.02, 0.028]
-        )
-        leaf = placed(
-            ellipsoid((0.11, 0, 0), (0.13, 0.065, 0.025)),
-            (x + 0.03, y + r * 1.05, z),
-            z=u(10, 50),
-            y=u(-30, 30),
-        )
-        return flesh, stem, leaf
-
-    red, red_stem, red_leaf = apple(-0.3, 0.2, 0.18, u(0.26, 0.31))
-    green, green_stem, _ = apple(u(0.0, 0.1), 0.36, -0.22, u(0.26, 0.3))
+    red, red_stem, red_leaf = _apple(rng, -0.3, 0.2, 0.18, u(0.26, 0.31))
+    green, green_stem, _ = _apple(rng, u(0.0, 0.1), 0.36, -0.22, u(0.26, 0.3))
     banana = tube(
         [(0.12, 0.1, 0.36), (0.48, 0.08, 0.34), (0.75, 0.26, 0.26), (0.86, 0.5, 0.2)],
         [0.05, 0.12, 0.12, 0.04],

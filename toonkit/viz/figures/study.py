@@ -55,9 +55,7 @@ def write_figures(trials: pd.DataFrame, folder: PathLike) -> dict[Path, str]:
     Parameters
     ----------
     trials : DataFrame
-        The study's table, of one light track (see `toonkit.study.reporting.cells.on_track`). A figure that it cannot fill is
-        left out: pairs of a single method, the difference of `toonkit` and `todo` if either is missing, and tones of maps
-        that are not the study's.
+        The study's table, of one light track. Figures that it cannot fill are left out.
     folder : path
         Created if need be; files of the same names are replaced, each once its successor is complete.
 
@@ -69,7 +67,7 @@ def write_figures(trials: pd.DataFrame, folder: PathLike) -> dict[Path, str]:
     Raises
     ------
     ToonkitError
-        As `toonkit.study.reporting.cells.cells` does, or if the folder cannot be written to.
+        As `toonkit.study.reporting.measure_table.arrange` does, or if the folder cannot be written to.
     """
     target = make_folder(folder)
     written = {}

@@ -15,20 +15,18 @@ from matplotlib.image import AxesImage
 
 from toonkit._validation import FloatArray
 from toonkit.study.color_maps import Ramp, load_ramps
-from toonkit.study.reporting.cells import Cells, cells
-from toonkit.study.reporting.findings import step_width
+from toonkit.study.reporting.measure_table import MeasureTable, arrange
 from toonkit.study.reporting.statistics import Grouping, breakdown, is_ratio
 from toonkit.viz.figures.ramp import draw_ramp
 from toonkit.viz.figures.study_style import (
     ROW,
-    apart,
     axis_label,
-    dot,
-    guide,
+    draw_dots,
+    draw_grid,
+    format_name,
     method_colors,
-    method_label,
     method_legend,
-    spoken,
+    separate,
 )
 from toonkit.viz.figures.style import QUIET, SMALL, figure_style, fold, new_figure
 
@@ -43,21 +41,9 @@ def errors_by_group(
     trials: pd.DataFrame, by: Grouping, measures: Sequence[str] = ("angular_error", "relight_rmse")
 ) -> Figure:
     """
-    Draw the mean of every method for every shape, or for every color map, beside its ramp.
+    Draw the mean of every method for every shape, or for every color map beside its ramp; a panel for each measure.
 
-    Parameters
-    ----------
-    trials : DataFrame
-        The study's table, of one light track.
-    by : {"shape", "color_map", "shape_kind"}
-        What has a row.
-    measures : sequence of str, optional
-        Keys of `MEASURES`; each has a panel. The first sorts the rows, by its mean over the methods that are drawn.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        As wide as a page.
+    Rows are sorted by the first measure's mean over the methods.
     """
     tables = {column: breakdown(trials, column, by).drop(columns="trials") for column in measures}
     first = tables[measures[0]]
@@ -86,23 +72,11 @@ def difference_map(
     """
     Draw a method's difference to another on every shape and color map, with the means of rows and columns.
 
-    Parameters
-    ----------
-    trials : DataFrame
-        The study's table, of one light track.
-    measure : str, optional
-        Key of `MEASURES`; one whose ideal is 1 is compared by its distance from 1.
-    method, versus : str, optional
-        The methods.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        As wide as a page; a cell in the color of the better method, and a cross where one of them has no result.
+    A measure whose ideal is 1 is compared by its distance from 1. A cross marks where one of them has no result.
     """
-    table = cells(trials, measure).departures
+    table = arrange(trials, measure).departures
     difference = table.of(method) - table.of(versus)
-    rows, columns = _ranked(difference, axis=1), _ranked(difference, axis=0)
+    rows, columns = _rank(difference, axis=1), _rank(difference, axis=0)
     values = difference[np.ix_(rows, columns)]
     limit = float(np.nanquantile(np.abs(values), BEYOND)) if np.isfinite(values).any() else 1.0
     norm = TwoSlopeNorm(0.0, -(limit or 1.0), limit or 1.0)
@@ -121,11 +95,11 @@ def difference_map(
         middle = np.nanmedian if is_ratio(table.measure) else np.nanmean
         for axes, block in (
             (main, values),
-            (right, _collapsed(values, 1, middle)),
-            (below, _collapsed(values, 0, middle)),
+            (right, _collapse(values, 1, middle)),
+            (below, _collapse(values, 0, middle)),
         ):
             picture = _draw_block(axes, block, colors, norm)
-        main.set_yticks(range(len(rows)), [spoken(table.shapes[row]) for row in rows])
+        main.set_yticks(range(len(rows)), [format_name(table.shapes[row]) for row in rows])
         word = "median" if is_ratio(table.measure) else "mean"
         right.set_title(word, fontsize=SMALL)
         below.set_yticks([0], [word])
@@ -136,28 +110,14 @@ def difference_map(
 
 
 def error_by_tones(trials: pd.DataFrame, measure: str = "angular_error") -> Figure:
-    """
-    Draw an error against what the color maps are like: how many tones the hard ones have, and how soft steps are.
-
-    Parameters
-    ----------
-    trials : DataFrame
-        The study's table, of one light track.
-    measure : str, optional
-        Key of `MEASURES`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Two panels; a dot is a color map, averaged over the shapes.
-    """
+    """Draw an error against the number of tones of hard color maps, and against how soft steps are; a dot is a color map."""
     means = breakdown(trials, measure, "color_map").drop(columns="trials")
     palette = method_colors(means.columns)
     ramps = {name: ramp for name, ramp in load_ramps().items() if name in means.index}
     hard = [name for name, ramp in ramps.items() if "hard" in ramp.tags]
     tones = np.array([len(ramps[name].tones) for name in hard])
     # Most widths are small, and 0 is one of them: their roots are evenly spread.
-    widths = np.sqrt([step_width(ramp) for ramp in ramps.values()])
+    widths = np.sqrt([ramp.softness for ramp in ramps.values()])
     with figure_style():
         figure = new_figure(2.9)
         left, right = figure.subplots(1, 2, sharey=True, width_ratios=[1, 1.25])
@@ -168,14 +128,14 @@ def error_by_tones(trials: pd.DataFrame, measure: str = "angular_error") -> Figu
                 values[[name for name in hard if len(ramps[name].tones) == count]].mean() for count in counts
             ]
             left.plot(counts, middles, color=color, linewidth=1.0)
-            dot(left, apart(tones, 0.07), values[hard], color)
-            dot(right, widths, values[list(ramps)], color)
+            draw_dots(left, separate(tones, 0.07), values[hard], color)
+            draw_dots(right, widths, values[list(ramps)], color)
         left.set(xlabel="tones of a hard color map", ylabel=axis_label(measure), xticks=np.unique(tones))
         right.set_xlabel("mean width of the steps between tones,\nin L · N (square-root scale)")
         right.set_xticks(np.sqrt(_WIDTHS), [f"{width:g}" for width in _WIDTHS])
         left.set_ylim(bottom=0)
-        guide(left, "y")
-        guide(right, "y")
+        draw_grid(left, "y")
+        draw_grid(right, "y")
         _name_worst(right, means.loc[list(ramps)], widths)
         method_legend(figure, means.columns, palette)
     return figure
@@ -189,7 +149,7 @@ def _name_worst(axes: Axes, means: pd.DataFrame, places: FloatArray) -> None:
     if np.isfinite(worst).any():
         row = int(np.nanargmax(worst))
         axes.annotate(
-            spoken(means.index[row]),
+            format_name(means.index[row]),
             (places[row], worst[row]),
             xytext=(5, 0),
             textcoords="offset points",
@@ -207,7 +167,7 @@ def _draw_names(axes: Axes, names: Sequence[str], ramps: dict[str, Ramp]) -> Non
             draw_ramp(strip, ramps[name].color_map())
             strip.set_xticks([])
     axes.set(xlim=(0, 1), xticks=[])
-    axes.set_yticks(range(len(names)), [spoken(name) for name in names])
+    axes.set_yticks(range(len(names)), [format_name(name) for name in names])
     axes.tick_params(axis="y", length=0)
     axes.spines[:].set_visible(False)
 
@@ -216,9 +176,9 @@ def _draw_dots(axes: Axes, table: pd.DataFrame, palette: Mapping[str, str]) -> N
     rows = np.arange(len(table))
     axes.hlines(rows, table.min(axis=1), table.max(axis=1), color="#c4c3be", linewidth=0.6, zorder=1)
     for method in reversed(table.columns):  # the first lies on top
-        dot(axes, table[method].to_numpy(), rows, palette[method])
+        draw_dots(axes, table[method].to_numpy(), rows, palette[method])
     axes.set_xlim(left=0)
-    guide(axes, "x")
+    draw_grid(axes, "x")
     axes.spines["left"].set_visible(False)
 
 
@@ -241,7 +201,7 @@ def _draw_ramps_below(figure: Figure, grid: GridSpec, names: Sequence[str]) -> N
     """Stand each column on its color map, dark below, and name it."""
     axes = figure.add_subplot(grid[2, 0])
     axes.set(xlim=(-0.5, len(names) - 0.5), ylim=(0, 1), yticks=[])
-    axes.set_xticks(range(len(names)), [spoken(name) for name in names], rotation=90)
+    axes.set_xticks(range(len(names)), [format_name(name) for name in names], rotation=90)
     axes.tick_params(axis="x", length=0)
     axes.spines[:].set_visible(False)
     ramps = load_ramps()
@@ -252,16 +212,18 @@ def _draw_ramps_below(figure: Figure, grid: GridSpec, names: Sequence[str]) -> N
             strip.set_yticks([])
 
 
-def _label_bar(bar: Colorbar, table: Cells, method: str, versus: str, palette: Mapping[str, str]) -> None:
+def _label_bar(
+    bar: Colorbar, table: MeasureTable, method: str, versus: str, palette: Mapping[str, str]
+) -> None:
     measure = table.measure
     what = f"distance of the {measure.label} from 1" if is_ratio(measure) else measure.axis
-    bar.set_label(f"{fold(what, BAR_LENGTH)}\n{method_label(method)} − {method_label(versus)}")
+    bar.set_label(f"{fold(what, BAR_LENGTH)}\n{format_name(method)} − {format_name(versus)}")
     bar.outline.set_visible(False)
     for place, name in ((-0.05, method), (1.05, versus)):
         text = bar.ax.text(
             0.5,
             place,
-            method_label(name).replace(" & ", " &\n") + "\nbetter",
+            format_name(name).replace(" & ", " &\n") + "\nbetter",
             transform=bar.ax.transAxes,
             ha="center",
             va="top" if place < 0 else "bottom",
@@ -271,13 +233,13 @@ def _label_bar(bar: Colorbar, table: Cells, method: str, versus: str, palette: M
         text.set_in_layout(place > 0)  # below, there is room beside the row of means
 
 
-def _ranked(difference: FloatArray, axis: int) -> list[int]:
+def _rank(difference: FloatArray, axis: int) -> list[int]:
     """Order rows or columns by their mean, those without any last."""
-    means = _collapsed(difference, axis, np.nanmean).ravel()
+    means = _collapse(difference, axis, np.nanmean).ravel()
     return [int(place) for place in np.argsort(np.where(np.isfinite(means), means, np.inf), kind="stable")]
 
 
-def _collapsed(values: FloatArray, axis: int, middle: Callable[..., FloatArray]) -> FloatArray:
+def _collapse(values: FloatArray, axis: int, middle: Callable[..., FloatArray]) -> FloatArray:
     """Take the middle along an axis, which stays as one of length 1; NaN where there is nothing."""
     there = np.isfinite(values).any(axis=axis, keepdims=True)
     return np.where(there, middle(np.where(there, values, 0.0), axis=axis, keepdims=True), np.nan)

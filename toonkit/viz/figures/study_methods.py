@@ -12,19 +12,17 @@ from scipy.stats import gaussian_kde
 
 from toonkit._validation import FloatArray
 from toonkit.study.measures import MEASURES
-from toonkit.study.reporting.cells import cells, names_in
 from toonkit.study.reporting.comparisons import COMPARED, comparisons
+from toonkit.study.reporting.measure_table import arrange, names_in
 from toonkit.study.reporting.statistics import TOO_FEW, is_ratio, method_means
 from toonkit.viz.figures.study_style import (
     ROW,
-    axis_label,
-    dot,
-    guide,
+    draw_grid,
+    format_name,
+    jitter,
     method_colors,
-    method_label,
     method_legend,
     panel_width,
-    spread,
 )
 from toonkit.viz.figures.style import INK, QUIET, SMALL, figure_style, fold, new_figure
 
@@ -33,31 +31,17 @@ RESPONSE_LIMIT = 1.6
 
 SIGNIFICANT = 0.05
 
-FEW_SWEEPS = 20
-SWEEP_TICKS = (0, 20, 100, 1000, 10_000)
-"""Where the axis of sweeps turns from linear to logarithmic, and its labels."""
-
 
 def error_distributions(
     trials: pd.DataFrame, measures: Sequence[str] = ("angular_error", "relight_rmse")
 ) -> Figure:
     """
-    Draw how the errors of all trials are distributed.
+    Draw how the errors of all trials are distributed; a column for each measure.
 
-    Parameters
-    ----------
-    trials : DataFrame
-        The study's table, of one light track.
-    measures : sequence of str, optional
-        Keys of `MEASURES`; each has a column of two panels: the share of trials below an error, and for every method the
-        density, the quartiles with the median, and the trials.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        As wide as a page.
+    Above, the share of trials below an error; below, for every method the density, the quartiles with the median, and
+    the trials.
     """
-    tables = {column: cells(trials, column) for column in measures}
+    tables = {column: arrange(trials, column) for column in measures}
     methods = tables[measures[0]].working
     colors = method_colors(tables[measures[0]].methods)
     with figure_style():
@@ -77,14 +61,14 @@ def error_distributions(
                 _draw_shares(above, values, colors[method])
                 _draw_cloud(below, values, row, colors[method])
             above.set_ylim(0, 1)
-            guide(above, "both")
-            guide(below, "x")
+            draw_grid(above, "both")
+            draw_grid(below, "x")
             below.set_xlabel(MEASURES[column].axis)
             below.set_xlim(left=0)
             below.tick_params(axis="y", length=0)
             below.spines["left"].set_visible(False)
         panels[0, 0].set_ylabel("share of trials below")
-        panels[1, 0].set_yticks(range(len(methods)), [method_label(method) for method in methods])
+        panels[1, 0].set_yticks(range(len(methods)), [format_name(method) for method in methods])
         panels[1, 0].set_ylim(len(methods) - 0.55, -0.6)
         method_legend(figure, methods, colors)
     return figure
@@ -94,17 +78,9 @@ def fit_against_response(trials: pd.DataFrame) -> Figure:
     """
     Draw the paper's trade-off: how well a method repeats its input, and how much it answers a new light.
 
-    Parameters
-    ----------
-    trials : DataFrame
-        The study's table, of one light track.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A dot for each trial; a large one for each method's center, with 95 % intervals along both axes.
+    A small dot is a trial; a large one a method's center, with 95 % intervals along both axes.
     """
-    fit, response = cells(trials, "input_rmse"), cells(trials, "relight_response")
+    fit, response = arrange(trials, "input_rmse"), arrange(trials, "relight_response")
     centers = method_means(trials, ("input_rmse", "relight_response")).set_index(["method", "measure"])
     colors = method_colors(response.methods)
     beyond = 0
@@ -147,20 +123,10 @@ def fit_against_response(trials: pd.DataFrame) -> Figure:
 
 def paired_differences(trials: pd.DataFrame, measures: Sequence[str] = COMPARED) -> Figure:
     """
-    Draw the differences between pairs of methods, with their intervals.
+    Draw the differences between pairs of methods, with their intervals; a panel for each measure.
 
-    Parameters
-    ----------
-    trials : DataFrame
-        The study's table, of one light track.
-    measures : sequence of str, optional
-        Keys of `MEASURES`; each has a panel.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A row for each pair, with the share of trials that its first method wins. A dot is filled if p is small, after
-        correction for the number of all comparisons. Of too few shapes or color maps there is neither p nor interval.
+    A row has the share of trials that its first method wins. A dot is filled if p is small, after correction. Of too
+    few shapes or color maps there is neither p nor interval.
     """
     table = comparisons(trials, measures=measures)
     pairs = list(dict.fromkeys(zip(table["method"], table["versus"], strict=True)))
@@ -168,7 +134,7 @@ def paired_differences(trials: pd.DataFrame, measures: Sequence[str] = COMPARED)
     with figure_style():
         figure = new_figure(1.0 + 1.3 * ROW * len(pairs))
         panels = figure.subplots(1, len(measures), sharey=True, squeeze=False)[0]
-        names = [f"{method_label(method)} − {method_label(versus)}" for method, versus in pairs]
+        names = [f"{format_name(method)} − {format_name(versus)}" for method, versus in pairs]
         width = panel_width(names, len(measures))
         for axes, column in zip(panels, measures, strict=True):
             _draw_pairs(axes, table[table["measure"] == column], pairs, colors)
@@ -189,60 +155,6 @@ def paired_differences(trials: pd.DataFrame, measures: Sequence[str] = COMPARED)
             fontsize=SMALL,
             color=QUIET,
         )
-    return figure
-
-
-def sweeps_figure(sweeps: pd.DataFrame, *, method: str = "todo") -> Figure:
-    """
-    Draw what more sweeps of the refinement would have bought.
-
-    Parameters
-    ----------
-    sweeps : DataFrame
-        Columns `sweeps`, `angular_error`, `relight_rmse`, `input_rmse` and `energy`; rows of equal sweeps are averaged,
-        and those of infinitely many are drawn as a level: what the minimum of Eq. 5 is worth.
-    method : str, optional
-        Whose sweeps they are.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A panel for each of the four.
-    """
-    shown = ("angular_error", "relight_rmse", "input_rmse", "energy")
-    means = sweeps.groupby("sweeps")[list(shown)].mean()
-    least = means[np.isinf(means.index)]
-    means = means.drop(least.index)
-    color = method_colors([method])[method]
-    ticks = [tick for tick in SWEEP_TICKS if means.index.min() <= tick <= means.index.max()]
-    with figure_style():
-        figure = new_figure(1.9, gap=0.05)
-        for axes, column in zip(figure.subplots(1, len(shown)), shown, strict=True):
-            axes.plot(means.index, means[column], color=color, linewidth=1.0)
-            dot(axes, means.index, means[column], color)
-            # No sweep at all has a place too: left of this many, the axis is linear.
-            axes.set_xscale("symlog", linthresh=FEW_SWEEPS, linscale=0.6)
-            axes.set_xticks(ticks, [f"{tick:,}" for tick in ticks], minor=False)
-            axes.set_xticks([], minor=True)
-            axes.ticklabel_format(axis="y", scilimits=(-3, 4), useMathText=True)
-            axes.set_xlim(means.index.min(), means.index.max())
-            axes.set_ylim(0, 1.08 * float(max(means[column].max(), *least[column])))
-            for level in least[column]:
-                axes.axhline(level, color=color, linewidth=1.0, linestyle=":")
-                if column == shown[0]:
-                    axes.annotate(
-                        "at the minimum of Eq. 5",
-                        (means.index.max(), level),
-                        xytext=(-4, -3),
-                        textcoords="offset points",
-                        ha="right",
-                        va="top",
-                        fontsize="small",
-                        color=color,
-                    )
-            axes.set_xlabel("sweeps")
-            axes.set_title(axis_label(column) if column in MEASURES else "energy of Eq. 5")
-            guide(axes, "y")
     return figure
 
 
@@ -273,7 +185,7 @@ def _draw_cloud(axes: Axes, values: FloatArray, row: int, color: str) -> None:
     axes.plot(middle, row, "o", color="white", markeredgecolor=color, markersize=4.5, zorder=4)
     axes.plot(
         values,
-        row + 0.22 + spread(len(values), 0.11),
+        row + 0.22 + jitter(len(values), 0.11),
         ".",
         color=color,
         markersize=2.0,

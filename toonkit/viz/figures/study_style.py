@@ -32,26 +32,13 @@ SPARE_COLORS = ("#a60014", "#1000cc", "#331a1d")
 
 def method_colors(methods: Sequence[str]) -> dict[str, str]:
     """
-    Return the color of every method of a table.
+    Return the color of every method of a table, in the table's order: the same in every figure of the table.
 
-    Parameters
-    ----------
-    methods : sequence of str
-        All of them, in the table's order, so that a method has one color in every figure of the table.
-
-    Returns
-    -------
-    dict
-        The house's colors; newcomers have the spare ones in order, from the first again if these run out.
+    Newcomers have the spare colors, from the first again if these run out.
     """
     colors = {name: METHOD_COLORS[name] for name in methods if name in METHOD_COLORS}
     newcomers = [name for name in methods if name not in METHOD_COLORS]
     return colors | {name: SPARE_COLORS[place % len(SPARE_COLORS)] for place, name in enumerate(newcomers)}
-
-
-def method_label(method: str) -> str:
-    """Return a method's name in print."""
-    return METHOD_LABELS.get(method, method)
 
 
 def method_legend(figure: Figure, methods: Iterable[str], colors: Mapping[str, str]) -> None:
@@ -64,7 +51,7 @@ def method_legend(figure: Figure, methods: Iterable[str], colors: Mapping[str, s
             linestyle="",
             markersize=4.5,
             color=colors[name],
-            label=method_label(name),
+            label=format_name(name),
         )
         for name in methods
     ]
@@ -83,13 +70,13 @@ def panel_width(names: Iterable[str], count: int) -> float:
     return (PAGE_WIDTH - beside) / count - 2 * PAD
 
 
-def guide(axes: Axes, axis: Literal["x", "y", "both"]) -> None:
+def draw_grid(axes: Axes, axis: Literal["x", "y", "both"]) -> None:
     """Draw a grid below everything else."""
     axes.set_axisbelow(True)
     axes.grid(axis=axis, color=PALE, linewidth=0.5)
 
 
-def dot(axes: Axes, x: ArrayLike, y: ArrayLike, color: str, *, size: float = 4.2) -> None:
+def draw_dots(axes: Axes, x: ArrayLike, y: ArrayLike, color: str, *, size: float = 4.2) -> None:
     """Draw dots that stay apart where they overlap."""
     axes.plot(
         np.asarray(x),
@@ -104,12 +91,12 @@ def dot(axes: Axes, x: ArrayLike, y: ArrayLike, color: str, *, size: float = 4.2
     )
 
 
-def spread(count: int, width: float) -> FloatArray:
+def jitter(count: int, width: float) -> FloatArray:
     """Return deterministic jitter in [-width, width]."""
     return np.asarray(width * (2.0 * ((np.arange(count) * GOLDEN) % 1.0) - 1.0))
 
 
-def apart(places: FloatArray, step: float) -> FloatArray:
+def separate(places: FloatArray, step: float) -> FloatArray:
     """Return places with those that are equal set a step apart, around where they were."""
     moved = np.asarray(places, dtype=np.float64).copy()
     for place in np.unique(places):
@@ -123,6 +110,6 @@ def axis_label(column: str) -> str:
     return f"{MEASURES[column].axis}, median" if is_ratio(MEASURES[column]) else MEASURES[column].axis
 
 
-def spoken(name: str) -> str:
-    """Return a name as one writes it."""
-    return name.replace("_", " ")
+def format_name(name: str) -> str:
+    """Return a method, shape or color map as it is written in figures and on the page."""
+    return METHOD_LABELS.get(name, name.replace("_", " "))

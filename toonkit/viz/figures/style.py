@@ -122,44 +122,16 @@ def text_width(text: str, size: float = TEXT_SIZE) -> float:
 
 
 def fold(text: str, width: float, *, size: float = TEXT_SIZE) -> str:
-    """
-    Break a text at spaces so that it fits a width in any usual font.
-
-    Parameters
-    ----------
-    text : str
-        What to write.
-    width : float
-        Inches.
-    size : float, optional
-        Points.
-
-    Returns
-    -------
-    str
-        The same words; one that is longer than a line stays whole.
-    """
+    """Break a text at spaces so that it fits a width in inches in any usual font; longer words stay whole."""
     letters = max(int(width / text_width(" ", size)), 1)
     return textwrap.fill(text, letters, break_long_words=False, break_on_hyphens=False)
 
 
 def new_figure(height: float, *, width: float = PAGE_WIDTH, gap: float = 0.015) -> Figure:
     """
-    Return an empty page whose layout keeps labels from overlapping; call it inside `figure_style`.
+    Return an empty page, sizes in inches, whose layout keeps labels from overlapping; call it inside `figure_style`.
 
-    Parameters
-    ----------
-    height : float
-        Inches.
-    width : float, optional
-        Inches; both columns of a page by default.
-    gap : float, optional
-        Room between columns, as a share of their width.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        With the "constrained" layout engine.
+    The gap between columns is a share of their width.
     """
     layout = ConstrainedLayoutEngine(w_pad=PAD, h_pad=PAD, wspace=gap, hspace=0.015)
     return Figure(figsize=(width, height), layout=layout)

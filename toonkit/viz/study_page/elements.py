@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from toonkit._validation import FloatArray
 from toonkit.model.luminance import tone
 from toonkit.study.color_maps import load_color_maps
-from toonkit.viz.study_page.matrix import TrialMatrix, spoken
+from toonkit.viz.figures.study_style import format_name
+from toonkit.viz.study_page.matrix import TrialMatrix
 from toonkit.viz.study_page.state import StudyState
 
 BACKEND = "bokeh"  # the import of its module above registers it, without a notebook's hv.extension
@@ -90,16 +91,8 @@ def heat_map(matrix: TrialMatrix) -> hv.Overlay:
     """
     Show a measure, or the difference of two methods, over shapes and color maps.
 
-    Parameters
-    ----------
-    matrix : TrialMatrix
-        The values.
-
-    Returns
-    -------
-    holoviews.Overlay
-        Cells colored by value, a cross where a trial has none, and the means as numbers in the margins. Rectangles rather
-        than a `holoviews.HeatMap`: kinds of shapes stand apart, and so do the means.
+    Cells are colored by value, with a cross where a trial has none and the means in the margins. They are rectangles
+    rather than a `holoviews.HeatMap`, because kinds of shapes stand apart, and so do the means.
     """
     layout = MatrixLayout(matrix)
     low, high = matrix.limits
@@ -138,15 +131,7 @@ def live_heat_map(state: StudyState) -> hv.DynamicMap:
     """
     Return the heat map that follows a state, and selects the trial whose cell is clicked.
 
-    Parameters
-    ----------
-    state : StudyState
-        What is shown, and which cell is marked.
-
-    Returns
-    -------
-    holoviews.DynamicMap
-        Only values and colors are sent when the measure or a method changes, only the mark when a cell is selected.
+    Only values and colors are sent when the measure or a method changes, only the mark when a cell is selected.
     """
     first = state.matrix()
     layout = MatrixLayout(first)
@@ -209,8 +194,8 @@ def _cells(matrix: TrialMatrix, layout: MatrixLayout) -> hv.Rectangles:
                     layout.columns[j],
                     layout.rows[i],
                     matrix.values[i, j],
-                    spoken(shape),
-                    spoken(color_map),
+                    format_name(shape),
+                    format_name(color_map),
                     text,
                 )
             )
@@ -220,7 +205,7 @@ def _cells(matrix: TrialMatrix, layout: MatrixLayout) -> hv.Rectangles:
                 layout.mean_column,
                 y,
                 value,
-                spoken(name),
+                format_name(name),
                 "all color maps",
                 f"{matrix.center_name} {matrix.shown(value)}",
             )
@@ -232,7 +217,7 @@ def _cells(matrix: TrialMatrix, layout: MatrixLayout) -> hv.Rectangles:
                 layout.mean_row,
                 value,
                 "all shapes",
-                spoken(name),
+                format_name(name),
                 f"{matrix.center_name} {matrix.shown(value)}",
             )
         )
@@ -288,7 +273,7 @@ def _mark(matrix: TrialMatrix, layout: MatrixLayout, shape: str, color_map: str)
 
 
 def _ticks(places: FloatArray, names: Sequence[str]) -> list[tuple[float, str]]:
-    return [(float(place), spoken(name)) for place, name in zip(places, names, strict=True)]
+    return [(float(place), format_name(name)) for place, name in zip(places, names, strict=True)]
 
 
 def _name_color_bar(plot: Any, element: hv.Rectangles) -> None:

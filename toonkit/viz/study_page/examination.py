@@ -18,11 +18,12 @@ from toonkit.model.image import ToonImage
 from toonkit.model.light import light_direction
 from toonkit.model.normals import NormalField, encode_normal_map
 from toonkit.study.color_maps import load_color_maps
-from toonkit.study.contestants import Contestant, contestants
+from toonkit.study.estimators import Estimator, list_estimators
+from toonkit.study.painting import Angles, Painting, StudySettings, paint
+from toonkit.study.records import LightTrack
 from toonkit.study.rendering import RenderedShape, render_shape
 from toonkit.study.shapes import SHAPES
-from toonkit.study.trials import Angles, LightTrack, Painting, StudySettings, paint
-from toonkit.viz.study_page.matrix import spoken
+from toonkit.viz.figures.study_style import format_name
 
 EXAMINED_SIZE = 256
 """Pixels: enough to look at beside five others, and analyzed by all methods in a few seconds."""
@@ -123,25 +124,9 @@ def examine(
     """
     Paint a picture of the study again and let every method analyze it.
 
-    Parameters
-    ----------
-    shape, color_map : str
-        Names. A shape or color map that does not ship with toonkit makes the examination `unavailable`.
-    methods : sequence of str
-        Names of contestants; an unknown one is an answer with a failure.
-    light_track : {"given", "estimated"}
-        Whether they are told the true light.
-    settings : StudySettings
-        Size and lights of the pictures.
-    progress : callable, (str, float) -> None, optional
-        Told what is being done and how much of it is; may raise to end the examination.
-    partly : callable, Examination -> None, optional
-        Shown the examination each time it has gained an answer.
-
-    Returns
-    -------
-    Examination
-        With an answer for each method, also for those that failed.
+    A shape or color map that does not ship with toonkit makes the examination `unavailable`; an unknown method is an
+    answer with a failure. `progress` is told what is being done and how much of it is, and may raise to end the
+    examination; `partly` is shown the examination each time it has gained an answer.
     """
     lights = settings.new_lights[:: -(-len(settings.new_lights) // RELIT_PICTURES)]
     found = Examination(
@@ -150,18 +135,18 @@ def examine(
     color_maps = load_color_maps()
     for kind, name, known in (("shape", shape, SHAPES), ("color map", color_map, color_maps)):
         if name not in known:
-            reason = f"The {kind} “{spoken(name)}” does not ship with toonkit, so its pictures cannot be painted again."
+            reason = f"The {kind} “{format_name(name)}” does not ship with toonkit, so its pictures cannot be painted again."
             return replace(found, unavailable=reason)
-    progress(f"rendering {spoken(shape)}", 0.0)
+    progress(f"rendering {format_name(shape)}", 0.0)
     painting = paint(
         _rendered(shape, settings.size), color_maps[color_map], replace(settings, new_lights=lights)
     )
     found = replace(found, answers=(_truth(painting),))
     partly(found)
     light = painting.light if light_track == "given" else estimate_light(painting.image).light
-    known_methods = contestants()
+    known_methods = list_estimators()
     for index, method in enumerate(methods):
-        progress(f"analyzing with {spoken(method)}", (index + 1) / (len(methods) + 1))
+        progress(f"analyzing with {format_name(method)}", (index + 1) / (len(methods) + 1))
         answer = _answer(method, known_methods.get(method), painting, light)
         found = replace(found, answers=(*found.answers, answer))
         partly(found)
@@ -180,19 +165,19 @@ def _truth(painting: Painting) -> Answer:
     )
 
 
-def _answer(method: str, contestant: Contestant | None, painting: Painting, light: FloatArray) -> Answer:
-    if contestant is None:
+def _answer(method: str, estimator: Estimator | None, painting: Painting, light: FloatArray) -> Answer:
+    if estimator is None:
         return _failed(method, "this method is not installed here")
     try:
-        analysis = contestant.analyze(prepare(painting.image), light)
+        analysis = estimator.analyze(prepare(painting.image), light)
         return Answer(
             name=method,
-            picture=contestant.picture(analysis).to_rgba(),
+            picture=estimator.picture(analysis).to_rgba(),
             normal_map=_normal_map(analysis.normals, painting),
             angle=angular_error(analysis.normals, painting.truth.normals).map,
             color_map=analysis.materials.color_maps[0],
             relit=tuple(
-                contestant.relight(analysis, light_direction(*angles)).to_rgba()
+                estimator.relight(analysis, light_direction(*angles)).to_rgba()
                 for angles in painting.settings.new_lights
             ),
         )

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.study.measures import Measure
-from toonkit.study.reporting.cells import Cells, cells, names_in, on_track
+from toonkit.study.records import LightTrack
+from toonkit.study.reporting.measure_table import MeasureTable, arrange, names_in, on_track
 from toonkit.study.reporting.statistics import is_ratio
-from toonkit.study.trials import LightTrack
-from toonkit.viz.figures.style import METHOD_LABELS
+from toonkit.viz.figures.study_style import format_name
 
 KINDS = ("primitive", "complex", "mesh")
 """Kinds of shapes, in the order in which they are listed."""
@@ -123,12 +123,12 @@ class TrialMatrix:
         name = self.measure.axis
         if self.measure.ideal:
             name = f"{name}, distance from {self.measure.ideal:g}"
-        return f"{self._methods}: {name}. Below 0 {spoken(self.method)} is better"
+        return f"{self._methods}: {name}. Below 0 {format_name(self.method)} is better"
 
     @property
     def _methods(self) -> str:
-        ours = spoken(self.method)
-        return f"{ours} minus {spoken(self.versus)}" if self.versus else ours
+        ours = format_name(self.method)
+        return f"{ours} minus {format_name(self.versus)}" if self.versus else ours
 
     def shown(self, value: float) -> str:
         """Return a value of the heat map as text, a difference with its sign."""
@@ -142,10 +142,10 @@ class TrialMatrix:
         """Return what is known of a cell: both methods' values and their difference, or why there is none."""
         if self.gaps[row, column]:
             return str(self.gaps[row, column])
-        ours = f"{spoken(self.method)} {self.measure.shown(self.ours[row, column])}"
+        ours = f"{format_name(self.method)} {self.measure.shown(self.ours[row, column])}"
         if not self.versus:
             return ours
-        theirs = f"{spoken(self.versus)} {self.measure.shown(self.theirs[row, column])}"
+        theirs = f"{format_name(self.versus)} {self.measure.shown(self.theirs[row, column])}"
         return f"{ours}, {theirs}: {self.shown(self.values[row, column])}"
 
     @property
@@ -163,7 +163,7 @@ class TrialMatrix:
             if not count:
                 return f"No {self.center_name}: there is no trial that every method completed.{gaps}"
             return f"{name} {self.shown(self.mean)} over the {count} trials that every method completed; {best}.{gaps}"
-        ours, theirs = spoken(self.method), spoken(self.versus)
+        ours, theirs = format_name(self.method), format_name(self.versus)
         wins = int((self.values[known] < 0).sum())
         return (
             f"Blue: {ours} is better; orange: {theirs} is. {ours} is better in {wins} of {int(known.sum())} trials; "
@@ -175,39 +175,18 @@ def trial_matrix(
     trials: pd.DataFrame, *, measure: str, method: str, versus: str = "", light_track: LightTrack = "given"
 ) -> TrialMatrix:
     """
-    Arrange a measure over shapes and color maps.
+    Arrange a measure over all shapes and color maps of a table, for a method, or for its difference to another.
 
-    Parameters
-    ----------
-    trials : pandas.DataFrame
-        The study's table, as of `toonkit.study.table.load_trials`.
-    measure : str
-        A column in `MEASURES`.
-    method, versus : str
-        The method, and one to compare it with; "" for none.
-    light_track : str, optional
-        Which of the study's two tracks.
-
-    Returns
-    -------
-    TrialMatrix
-        All shapes and color maps of the table, also those that this method has no value for.
-
-    Notes
-    -----
-    A difference is one of distances from the ideal, |ours - ideal| - |theirs - ideal|, also where the ideal is 1.
-    So a negative difference always says that the method is better than the other.
-
-    Means are those of `toonkit.study.reporting.statistics.method_means` and, of a difference, of
-    `toonkit.study.reporting.comparisons.compare`; of a ratio, whose ideal is 1, they are medians.
+    A difference is one of distances from the ideal, so that a negative one always says that the method is better. Means
+    are those of `method_means` and `compare`; of a ratio, whose ideal is 1, they are medians.
     """
     on_one_track = on_track(trials, light_track)
-    arranged = cells(on_one_track, measure)
+    arranged = arrange(on_one_track, measure)
     # Of the whole table: the places of cells do not depend on what one track has.
     kinds, columns = _kinds(trials), names_in(trials, "color_map")
     departures = arranged.departures
 
-    def placed(part: Cells, name: str) -> FloatArray:
+    def placed(part: MeasureTable, name: str) -> FloatArray:
         values = part.of(name) if name in part.methods else np.full(part.common.shape, np.nan)
         return _placed(part, values, tuple(kinds), columns, np.nan)
 
@@ -232,13 +211,12 @@ def trial_matrix(
     )
 
 
-def spoken(name: str) -> str:
-    """Return a method, shape or color map as it is written on the page."""
-    return METHOD_LABELS.get(name, name.replace("_", " "))
-
-
 def _placed(
-    arranged: Cells, values: NDArray[Any], shapes: tuple[str, ...], color_maps: tuple[str, ...], missing: Any
+    arranged: MeasureTable,
+    values: NDArray[Any],
+    shapes: tuple[str, ...],
+    color_maps: tuple[str, ...],
+    missing: Any,
 ) -> NDArray[Any]:
     """Return an array over the cells as one over all shapes and color maps."""
     placed = np.full((len(shapes), len(color_maps)), missing)
@@ -268,12 +246,12 @@ def _gaps(
         errors = {
             name: said.get((shapes[row], color_maps[column], name), NOT_RUN) for name in methods if name
         }
-        reasons = [f"{spoken(name)}: {error}" for name, error in errors.items() if error]
+        reasons = [f"{format_name(name)}: {error}" for name, error in errors.items() if error]
         gaps[row, column] = "; ".join(reasons) or "no value"
     return gaps
 
 
-def _scale(arranged: Cells, method: str) -> tuple[float, float]:
+def _scale(arranged: MeasureTable, method: str) -> tuple[float, float]:
     """Return the limits of a measure that serve all methods."""
     shown = [name for name in arranged.methods if method == REFERENCE or name != REFERENCE]
     values = np.array([arranged.of(name) for name in shown])

@@ -13,11 +13,11 @@ import param
 from toonkit._validation import ToonkitError
 from toonkit.study.table import load_trials, settings_of
 from toonkit.viz.choice_cards import ChoiceCards, text_choices
+from toonkit.viz.figures.study_style import format_name
 from toonkit.viz.page_style import THEME, WIDE, after_updates, error_reporter, heading, plain
 from toonkit.viz.session_end import free_when_left
 from toonkit.viz.study_page.elements import live_heat_map
 from toonkit.viz.study_page.examination import Examination
-from toonkit.viz.study_page.matrix import spoken
 from toonkit.viz.study_page.sheet import SHEET_STYLE, sheet_note, trial_sheet
 from toonkit.viz.study_page.state import StudyState
 
@@ -61,7 +61,7 @@ def trial_card(state: StudyState) -> pn.Column:
     pn.bind(fill, state.param.examination, state.param.measure, watch=True)
     pn.bind(examine, state.param.shape, state.param.color_map, state.param.light_track, watch=True)
     title = pn.bind(
-        lambda shape, color_map: plain(f"{spoken(shape).capitalize()} in {spoken(color_map)}"),
+        lambda shape, color_map: plain(f"{format_name(shape).capitalize()} in {format_name(color_map)}"),
         state.param.shape,
         state.param.color_map,
     )
@@ -99,7 +99,7 @@ def method_picker(state: StudyState) -> ChoiceCards:
 
     def describe(*_: object) -> None:
         means = state.means().items()
-        cards.choices = text_choices({name: (spoken(name), mean) for name, mean in means})
+        cards.choices = text_choices({name: (format_name(name), mean) for name, mean in means})
 
     pn.bind(describe, state.param.measure, state.param.light_track, watch=True)
     describe()

@@ -17,10 +17,11 @@ from toonkit._validation import FloatArray
 from toonkit.model.color_map import ColorMap
 from toonkit.model.light import light_direction
 from toonkit.study.measures import MEASURES, Measure
-from toonkit.study.trials import Angles
+from toonkit.study.painting import Angles
 from toonkit.viz.elements import NEUTRAL
+from toonkit.viz.figures.study_style import format_name
 from toonkit.viz.study_page.examination import Answer, Examination, Pixels
-from toonkit.viz.study_page.matrix import REFERENCE, spoken
+from toonkit.viz.study_page.matrix import REFERENCE
 
 ANGLE_LIMIT = 45.0
 """Degrees at the end of the error maps' scale: one for all trials, so that they can be compared."""
@@ -78,22 +79,10 @@ Record = Mapping[str, object]
 
 def trial_sheet(examination: Examination, records: Mapping[str, Record], *, measure: str) -> str:
     """
-    Show what every method made of one picture, beside the truth.
+    Show what every method made of one picture, beside the truth, as HTML to be styled by `SHEET_STYLE`.
 
-    Parameters
-    ----------
-    examination : Examination
-        What was painted and answered; answers still to come leave empty tiles.
-    records : mapping of str to mapping
-        The methods' rows of the study's table; empty where it has none.
-    measure : str
-        The column in `MEASURES` that stands below each method's name.
-
-    Returns
-    -------
-    str
-        HTML, to be styled by `SHEET_STYLE`. Pictures, normal maps, angles between normals in one scale, color maps over
-        illumination -1 to 1, relit pictures, and the table's numbers with the best of each row set off.
+    Rows are pictures, normal maps, angles between normals in one scale, color maps over illumination -1 to 1, relit
+    pictures, and the table's numbers with the best of each set off. The measure stands below each method's name.
     """
     numbers = _numbers(records, measure)
     if examination.unavailable:
@@ -110,7 +99,7 @@ def trial_sheet(examination: Examination, records: Mapping[str, Record], *, meas
 
     pictures = "".join(
         _failure(answers[name]) if name in answers and answers[name].failure
-        else _tile(columns[name].picture, f"{spoken(name)}: picture") if name in columns else _EMPTY
+        else _tile(columns[name].picture, f"{format_name(name)}: picture") if name in columns else _EMPTY
         for name in order
     )  # fmt: skip
     rows = [
@@ -207,7 +196,7 @@ def _png(pixels: Pixels) -> str:
 
 def _grid(content: str, examination: Examination, shape: float) -> str:
     columns = f"132px repeat({len(examination.methods) + 1}, minmax(104px, 1fr))"
-    name = escape(f"{spoken(examination.shape)} in {spoken(examination.color_map)}")
+    name = escape(f"{format_name(examination.shape)} in {format_name(examination.color_map)}")
     style = f"grid-template-columns: {columns}; --shape: {shape:.3f}"
     return f'<div class="sheet" role="group" aria-label="{name}" style="{style}">{content}</div>'
 
@@ -223,7 +212,7 @@ def _names(examination: Examination, records: Mapping[str, Record], measure: str
         value = _value(record, meaning)
         error = str(record.get("error") or "")
         shown = "failed" if error else meaning.shown(value) if np.isfinite(value) else "—"
-        name = f'<b>{escape(spoken(method))}</b><span title="{escape(error)}">{shown}</span>'
+        name = f'<b>{escape(format_name(method))}</b><span title="{escape(error)}">{shown}</span>'
         cells.append(f'<div class="name">{name}</div>')
     return "".join(cells)
 

@@ -11,11 +11,13 @@ import param
 
 from toonkit._validation import refuse
 from toonkit.study.measures import MEASURES
-from toonkit.study.reporting.cells import names_in, tracks
-from toonkit.study.trials import LightTrack, StudySettings
+from toonkit.study.painting import StudySettings
+from toonkit.study.records import LightTrack
+from toonkit.study.reporting.measure_table import names_in, tracks
+from toonkit.viz.figures.study_style import format_name
 from toonkit.viz.latest_task import LatestTask, TaskReport
 from toonkit.viz.study_page.examination import EXAMINED_SIZE, Examination, examine
-from toonkit.viz.study_page.matrix import TrialMatrix, spoken, trial_matrix
+from toonkit.viz.study_page.matrix import TrialMatrix, trial_matrix
 from toonkit.viz.turns import TURNS
 
 FIRST_MEASURE = "angular_error"
@@ -92,9 +94,9 @@ class StudyState(param.Parameterized):
         first = [name for name in FIRST_METHODS if name in self.methods] or [self.methods[0]]
         for name, objects, value in (
             ("measure", {m.label: key for key, m in measured.items()}, None),
-            ("method", {spoken(method): method for method in self.methods}, first[0]),
-            ("shape", {spoken(shape): shape for shape in self.shapes}, None),
-            ("color_map", {spoken(color_map): color_map for color_map in self.color_maps}, None),
+            ("method", {format_name(method): method for method in self.methods}, first[0]),
+            ("shape", {format_name(shape): shape for shape in self.shapes}, None),
+            ("color_map", {format_name(color_map): color_map for color_map in self.color_maps}, None),
             ("light_track", {TRACK_LABELS[track]: track for track in light_tracks}, light_tracks[0]),
         ):
             self.param[name].objects = objects
@@ -109,7 +111,7 @@ class StudyState(param.Parameterized):
         """Offer all methods but the one shown for comparison."""
         if self.versus == self.method:
             self.versus = ""
-        others = {spoken(method): method for method in self.methods if method != self.method}
+        others = {format_name(method): method for method in self.methods if method != self.method}
         self.param.versus.objects = {"nothing": "", **others}
 
     def matrix(self) -> TrialMatrix:

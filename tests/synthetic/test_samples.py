@@ -18,12 +18,12 @@ from toonkit.export.report import ink_share
 from toonkit.metrics import color_rmse
 from toonkit.model.luminance import tone
 from toonkit.samples import FOLDER, sample_light, sample_names, sample_path, sample_title
-from toonkit.study.inked_samples import Subject, draw_subject
+from toonkit.study.inked_samples import SampleScene, draw_sample_scene
 from toonkit.study.sample_drawings import SAMPLES, draw_sample, to_bytes, write_samples
 
 NAMES = sample_names()
 BY_NAME = {sample.name: sample for sample in SAMPLES}
-INKED = {sample.name: sample.subject for sample in SAMPLES if isinstance(sample.subject, Subject)}
+INKED = {sample.name: sample.scene for sample in SAMPLES if isinstance(sample.scene, SampleScene)}
 
 
 def pixels(name: str) -> np.ndarray:
@@ -112,11 +112,11 @@ def test_a_sample_is_the_same_each_time_it_is_drawn(name: str) -> None:
 
 def test_at_least_half_of_the_samples_are_inked_and_in_several_materials() -> None:
     assert len(INKED) >= len(NAMES) / 2
-    assert min(len(subject.tones) for subject in INKED.values()) >= 5
+    assert min(len(scene.tones) for scene in INKED.values()) >= 5
 
 
 def test_the_inked_samples_show_gradients_flat_paint_and_highlights() -> None:
-    tones = [tones for subject in INKED.values() for tones in subject.tones.values()]
+    tones = [tones for scene in INKED.values() for tones in scene.tones.values()]
     assert any(one.softness >= 1 for one in tones)
     assert any(len(one.colors) == 1 for one in tones)
     assert any(one.glossy for one in tones)
@@ -139,14 +139,14 @@ def test_ink_is_found_where_it_was_drawn_alone(name: str) -> None:
 
 @pytest.mark.parametrize("name", INKED)
 def test_every_material_of_an_inked_sample_shows(name: str) -> None:
-    scene = draw_subject(INKED[name], light_direction(*BY_NAME[name].light), size=96)
+    scene = draw_sample_scene(INKED[name], light_direction(*BY_NAME[name].light), size=96)
     assert set(scene.materials) == set(INKED[name].tones)
 
 
 @pytest.mark.parametrize("name", INKED)
 def test_a_relit_inked_sample_is_nearer_the_truth_than_the_drawing_is(name: str) -> None:
     light, new = light_direction(*BY_NAME[name].light), light_direction(0, 30)
-    scene = draw_subject(INKED[name], light, size=192)
+    scene = draw_sample_scene(INKED[name], light, size=192)
     relit, truth = relight(analyze(scene.image, light), new), scene.relit(new)
     assert color_rmse(relit, truth) < color_rmse(scene.image, truth)
 

@@ -10,8 +10,8 @@ from pyvista import examples
 import toonkit
 from toonkit import ToonkitError
 from toonkit.study.registry import View
+from toonkit.study.scenes import load_mesh, render
 from toonkit.study.shapes import SHAPES
-from toonkit.study.subjects import load_mesh, render
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toonkit._validation import FloatArray
-from toonkit.study.inked_samples import Subject, Tones
+from toonkit.study.inked_samples import SampleScene, Tones
 from toonkit.synthetic.model import INK, Part, Pattern, near, oval, smile, stripes, stroke
 from toonkit.synthetic.primitives import (
     Solid,
@@ -244,7 +244,7 @@ def _rocket() -> tuple[Part, ...]:
     )
 
 
-CAT = Subject(
+CAT = SampleScene(
     _cat,
     {
         "fur": Tones(("#c27a3a", "#e29a4c", "#fbbf6b")),
@@ -262,7 +262,7 @@ CAT = Subject(
     pitch=6,
 )
 
-WITCH = Subject(
+WITCH = SampleScene(
     _witch,
     {
         "skin": Tones(("#eab09a", "#fee0c8")),
@@ -279,7 +279,7 @@ WITCH = Subject(
     pitch=4,
 )
 
-TOADSTOOL = Subject(
+TOADSTOOL = SampleScene(
     _toadstool,
     {
         "cap": Tones(("#9c2340", "#d93940", "#f26650")),
@@ -294,7 +294,7 @@ TOADSTOOL = Subject(
     pitch=6,
 )
 
-DONUT = Subject(
+DONUT = SampleScene(
     _doughnut,
     {
         "dough": Tones(("#a8663a", "#e3a55f"), softness=1.1),
@@ -306,7 +306,7 @@ DONUT = Subject(
     ink="#4a2032",
 )
 
-ROCKET = Subject(
+ROCKET = SampleScene(
     _rocket,
     {
         "hull": Tones(("#cbbcb6", "#e9ded2", "#fffaf0")),

@@ -44,30 +44,15 @@ class MeshShape:
         return "mesh"
 
 
-Subject = Shape | MeshShape
+Scene = Shape | MeshShape
 
 
 def load_mesh(source: str | Path, view: View | None = None) -> MeshShape:
     """
-    Read a mesh as a further shape of the study.
+    Read a mesh as a further shape of the study, named after its file.
 
-    Parameters
-    ----------
-    source : path or str
-        A file that trimesh reads (obj, ply, stl, glb, off, ...), or `pyvista:NAME` for a mesh that PyVista
-        downloads, such as `pyvista:bunny`.
-    view : View, optional
-        From where it is seen; its front by default.
-
-    Returns
-    -------
-    MeshShape
-        Named after the file, without its suffix.
-
-    Raises
-    ------
-    ToonkitError
-        If the file is missing or holds no triangles, the example is unknown, or it cannot be downloaded.
+    The source is a file that trimesh reads (obj, ply, stl, glb, off, ...), or `pyvista:NAME` for a mesh that PyVista
+    downloads. Raises `ToonkitError` if there is none, or it holds no triangles.
     """
     text = str(source)
     if text.startswith(EXAMPLE_PREFIX):
@@ -81,12 +66,12 @@ def load_mesh(source: str | Path, view: View | None = None) -> MeshShape:
     return MeshShape(re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or "mesh", mesh, view or View())
 
 
-def render(subject: Subject, size: int) -> RenderedShape:
+def render(scene: Scene, size: int) -> RenderedShape:
     """Render a shape or a mesh from its own view, shape (size, size); for errors see `render_shape` and `render_mesh`."""
-    if isinstance(subject, Shape):
-        return render_shape(subject, size)
-    view = subject.view
-    return render_mesh(subject.mesh, size, yaw=view.yaw, pitch=view.pitch, roll=view.roll)
+    if isinstance(scene, Shape):
+        return render_shape(scene, size)
+    view = scene.view
+    return render_mesh(scene.mesh, size, yaw=view.yaw, pitch=view.pitch, roll=view.roll)
 
 
 def _from_file(path: Path) -> trimesh.Trimesh:

@@ -29,7 +29,7 @@ def _relight_model_only(analysis: ToonAnalysis, new_light: FloatArray) -> ToonIm
 
 
 @dataclass(frozen=True)
-class Contestant:
+class Estimator:
     """
     A method, and how its result is painted.
 
@@ -69,10 +69,10 @@ def flat(
     return ToonAnalysis(image, "flat", direction, normals, normals, materials)
 
 
-FLAT = Contestant(flat, picture=lambda analysis: analysis.image, relight=lambda analysis, _: analysis.image)
+FLAT = Estimator(flat, picture=lambda analysis: analysis.image, relight=lambda analysis, _: analysis.image)
 """Flat normals and the picture unchanged, whatever the light."""
 
 
-def contestants() -> dict[str, Contestant]:
+def list_estimators() -> dict[str, Estimator]:
     """Return all methods of the study by name: those of `toonkit.METHODS`, plus `flat`."""
-    return {**{name: Contestant(method) for name, method in METHODS.items()}, "flat": FLAT}
+    return {**{name: Estimator(method) for name, method in METHODS.items()}, "flat": FLAT}

@@ -18,30 +18,30 @@ from threadpoolctl import ThreadpoolController
 
 from toonkit.numerics.compiled import njit
 
-BAND = 6_000
-"""Pixels of a band at least: fewer are done before another thread has started."""
+CHUNK_PIXELS = 6_000
+"""Pixels of a chunk at least: fewer are done before another thread has started."""
 
-PIECE = 16_384
-"""Numbers in a piece: few enough for a core's own cache, so that what is computed on the way is never new memory."""
+CHUNK_NUMBERS = 16_384
+"""Numbers in a chunk: few enough for a core's own cache, so that what is computed on the way is never new memory."""
 
-MOST = 16
-"""Bands at most. Their number depends on the grid alone, never on the machine: so do the results."""
+MOST_CHUNKS = 16
+"""Chunks at most. Their number depends on the grid alone, never on the machine: so do the results."""
 
 
 @dataclass(frozen=True)
-class Bands:
+class RowChunks:
     """
-    A grid's pixels, in row-major order, cut into bands of whole rows.
+    The pixels of a grid, in row-major order, cut into chunks of whole rows.
 
     Attributes
     ----------
     spans : tuple of (int, int)
-        First pixel of each band and the one after its last. Each band starts at an even row, so that no block of 2 x 2
+        First pixel of each chunk and the one after its last. Each chunk starts at an even row, so that no block of 2 x 2
         pixels lies in two.
     separators : tuple of (int, int)
-        The first rows of all bands but the first. What lies between two of them has no neighbor across.
+        The first rows of all chunks but the first. What lies between two of them has no neighbor across.
     between : tuple of (int, int)
-        The bands without those rows.
+        The chunks without those rows.
     """
 
     spans: tuple[tuple[int, int], ...]
@@ -49,10 +49,10 @@ class Bands:
     between: tuple[tuple[int, int], ...]
 
     @classmethod
-    def of(cls, rows: NDArray[np.integer]) -> Bands:
+    def of(cls, rows: NDArray[np.integer]) -> RowChunks:
         """Cut pixels whose rows (P,) do not fall."""
         size = len(rows)
-        count = int(np.clip(size // BAND, 1, MOST))
+        count = int(np.clip(size // CHUNK_PIXELS, 1, MOST_CHUNKS))
         wanted = rows[[size * k // count for k in range(1, count)]] // 2 * 2
         cuts = np.unique(np.searchsorted(rows, wanted))
         cuts = cuts[cuts > 0]
@@ -65,8 +65,8 @@ class Bands:
         )
 
     def run(self, loop: Callable[..., Any], *arguments: Any) -> list[Any]:
-        """Call `loop(*arguments, first, last)` for every band; return what they return, in order."""
-        return _on_all_cores(loop, arguments, self.spans)
+        """Call `loop(*arguments, first, last)` for every chunk; return what they return, in order."""
+        return _run_parallel(loop, arguments, self.spans)
 
     def sweep(self, loop: Callable[..., Any], *arguments: Any, backward: bool) -> None:
         """
@@ -76,55 +76,57 @@ class Bands:
         """
         steps = [
             lambda: [loop(*arguments, backward, *span) for span in self.separators],
-            lambda: _on_all_cores(loop, (*arguments, backward), self.between),
+            lambda: _run_parallel(loop, (*arguments, backward), self.between),
         ]
         for step in reversed(steps) if backward else steps:
             step()
 
 
-def inner(a: NDArray[Any], b: NDArray[Any]) -> float:
+def inner_product(a: NDArray[Any], b: NDArray[Any]) -> float:
     """
     Return the inner product of two fields of any shape; of complex ones the real part.
 
     BLAS would leave its threads spinning on the other cores, and would round otherwise on other machines.
     """
     flat = [np.ascontiguousarray(field).view(np.empty(0, field.dtype).real.dtype).ravel() for field in (a, b)]
-    cuts = [len(flat[0]) * k // MOST for k in range(MOST + 1)]
-    if len(flat[0]) < BAND:
-        return float(_inner(*flat, 0, len(flat[0])))
-    return float(sum(_on_all_cores(_inner, tuple(flat), tuple(pairwise(cuts)))))
+    cuts = [len(flat[0]) * k // MOST_CHUNKS for k in range(MOST_CHUNKS + 1)]
+    if len(flat[0]) < CHUNK_PIXELS:
+        return float(_sum_products(*flat, 0, len(flat[0])))
+    return float(sum(_run_parallel(_sum_products, tuple(flat), tuple(pairwise(cuts)))))
 
 
 @njit(cache=True, nogil=True)
-def _inner(a, b, first, last):  # type: ignore[no-untyped-def]
+def _sum_products(a, b, first, last):  # type: ignore[no-untyped-def]
     total = 0.0
     for k in range(first, last):
         total += a[k] * b[k]
     return total
 
 
-def run_in_bands(loop: Callable[..., Any], *arguments: Any) -> None:
-    """Call `loop(*arguments, first, last)` for bands of the rows of the first argument, an array (H, ...)."""
+def run_on_row_chunks(loop: Callable[..., Any], *arguments: Any) -> None:
+    """Call `loop(*arguments, first, last)` for chunks of the rows of the first argument, an array (H, ...)."""
     height = len(arguments[0])
-    count = int(np.clip(arguments[0].size // BAND, 1, MOST))
+    count = int(np.clip(arguments[0].size // CHUNK_PIXELS, 1, MOST_CHUNKS))
     cuts = [height * k // count for k in range(count + 1)]
-    _on_all_cores(loop, arguments, tuple(pairwise(cuts)))
+    _run_parallel(loop, arguments, tuple(pairwise(cuts)))
 
 
-def run_in_pieces(loop: Callable[..., Any], size: int, *arguments: Any) -> list[Any]:
+def run_on_chunks(loop: Callable[..., Any], size: int, *arguments: Any) -> list[Any]:
     """
-    Call `loop(*arguments, piece)` for slices that make up `size` numbers; return what they return, in order.
+    Call `loop(*arguments, chunk)` for slices that make up `size` numbers; return what they return, in order.
 
-    For arithmetic on whole arrays, which is done faster piece by piece.
+    For arithmetic on whole arrays, which is done faster chunk by chunk.
     """
-    pieces = tuple((slice(first, min(first + PIECE, size)),) for first in range(0, size, PIECE))
-    return _on_all_cores(loop, arguments, pieces)
+    chunks = tuple(
+        (slice(first, min(first + CHUNK_NUMBERS, size)),) for first in range(0, size, CHUNK_NUMBERS)
+    )
+    return _run_parallel(loop, arguments, chunks)
 
 
 def run_each(works: Sequence[Callable[[], Any]]) -> list[Any]:
     """Call each of some functions; return what they return, in order."""
     with single_threaded_blas():
-        return _on_all_cores(_call, (), tuple((work,) for work in works))
+        return _run_parallel(_call, (), tuple((work,) for work in works))
 
 
 def _call(work: Callable[[], Any]) -> Any:
@@ -183,7 +185,7 @@ def _libraries() -> ThreadpoolController:
     return ThreadpoolController()
 
 
-def _on_all_cores(
+def _run_parallel(
     loop: Callable[..., Any], arguments: tuple[Any, ...], spans: tuple[tuple[Any, ...], ...]
 ) -> list[Any]:
     results: list[Any] = [None] * len(spans)
@@ -193,7 +195,7 @@ def _on_all_cores(
         for k in waiting:
             results[k] = loop(*arguments, *spans[k])
 
-    helping = [_helpers().submit(work) for _ in range(min(cores(), len(spans)) - 1)]
+    helping = [_thread_pool().submit(work) for _ in range(min(count_cores(), len(spans)) - 1)]
     work()
     for helper in helping:
         if not helper.cancel():  # one that has not begun finds nothing left to do
@@ -201,16 +203,16 @@ def _on_all_cores(
     return results
 
 
-def cores() -> int:
-    """Cores that this process may use."""
+def count_cores() -> int:
+    """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @cache
-def _helpers() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(max(cores() - 1, 1), "toonkit-band")
+def _thread_pool() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(max(count_cores() - 1, 1), "toonkit-chunk")
 
 
 if hasattr(os, "register_at_fork"):  # a forked process has none of its parent's threads
-    os.register_at_fork(after_in_child=_helpers.cache_clear)
+    os.register_at_fork(after_in_child=_thread_pool.cache_clear)
     os.register_at_fork(after_in_child=_keeper.cache_clear)

@@ -1,4 +1,4 @@
-"""Cells: the study's table as shapes x color maps for every method, with its holes (Section 4.1).
+"""MeasureTable: the study's table as shapes x color maps for every method, with its holes (Section 4.1).
 
 A trial that failed or was not run is a hole. Means are taken over the pairs of shape and color map without a hole in
 any method, so that every method is measured on the same pictures. This module counts the pairs that are left out, and
@@ -14,16 +14,16 @@ import pandas as pd
 
 from toonkit._validation import BoolArray, FloatArray, refuse
 from toonkit.study.color_maps import load_ramps
-from toonkit.study.contestants import contestants
+from toonkit.study.estimators import list_estimators
 from toonkit.study.measures import MEASURES, Measure
+from toonkit.study.records import LIGHT_TRACKS, LightTrack
 from toonkit.study.shapes import SHAPES
-from toonkit.study.trials import LIGHT_TRACKS, LightTrack
 
 _KEYS = ["shape", "color_map", "method"]
 
 
 @dataclass(frozen=True, eq=False)
-class Cells:
+class MeasureTable:
     """
     One measure of all trials.
 
@@ -48,7 +48,7 @@ class Cells:
         return np.asarray(self.values[self._place(method)])
 
     @property
-    def departures(self) -> Cells:
+    def departures(self) -> MeasureTable:
         """The same as distances from the ideal of the measure, for measures whose best value is 1."""
         return replace(self, values=np.abs(self.values - self.measure.ideal))
 
@@ -75,26 +75,12 @@ class Cells:
         return self.methods.index(method)
 
 
-def cells(trials: pd.DataFrame, column: str) -> Cells:
+def arrange(trials: pd.DataFrame, column: str) -> MeasureTable:
     """
-    Arrange one measure of the table.
+    Arrange one of `MEASURES` by method, shape and color map.
 
-    Parameters
-    ----------
-    trials : DataFrame
-        The study's table, of one light track and one size; columns as in `toonkit.study.trials.Record`.
-    column : str
-        Key of `MEASURES`.
-
-    Returns
-    -------
-    Cells
-        The measure of every method on every pair of shape and color map.
-
-    Raises
-    ------
-    ToonkitError
-        If the measure is unknown, the table is empty, mixes light tracks or sizes, or has a trial twice.
+    Raises `ToonkitError` if the measure is unknown, or the table is empty, mixes light tracks or sizes, or has a trial
+    twice.
     """
     if column not in MEASURES:
         raise refuse("measure", f"must be one of {', '.join(MEASURES)}", repr(column))
@@ -105,12 +91,12 @@ def cells(trials: pd.DataFrame, column: str) -> Cells:
     measured = trials[column].to_numpy(dtype=np.float64)
     # An infinite ratio, of a truth that does not change, is as little a number as a failed one.
     values[places] = np.where(~failed(trials) & np.isfinite(measured), measured, np.nan)
-    return Cells(MEASURES[column], axes["method"], axes["shape"], axes["color_map"], values)
+    return MeasureTable(MEASURES[column], axes["method"], axes["shape"], axes["color_map"], values)
 
 
 def names_in(trials: pd.DataFrame, key: str) -> tuple[str, ...]:
     """Return the methods, shapes or color maps of a table: ours in the order of the study, then others as they come."""
-    orders = {"method": [*contestants()], "shape": [*SHAPES], "color_map": [*load_ramps()]}
+    orders = {"method": [*list_estimators()], "shape": [*SHAPES], "color_map": [*load_ramps()]}
     known = orders[key]
     found = dict.fromkeys(map(str, trials[key]))
     return tuple([name for name in known if name in found] + [name for name in found if name not in known])
@@ -158,20 +144,7 @@ def failures(trials: pd.DataFrame) -> pd.DataFrame:
 
 
 def completeness(trials: pd.DataFrame) -> pd.DataFrame:
-    """
-    Count what became of the trials.
-
-    Parameters
-    ----------
-    trials : DataFrame
-        The study's table, of one light track and one size.
-
-    Returns
-    -------
-    DataFrame
-        A row for each method: `planned` pairs of shape and color map, and how many of them `completed`, `failed`, and
-        are `missing` from the table.
-    """
+    """Count for each method the `planned` pairs of shape and color map, and those `completed`, `failed` and `missing`."""
     check(trials)
     planned = trials["shape"].nunique() * trials["color_map"].nunique()
     groups = pd.Series(failed(trials), index=trials.index).groupby(trials["method"])
@@ -184,7 +157,7 @@ def completeness(trials: pd.DataFrame) -> pd.DataFrame:
 def statement(trials: pd.DataFrame) -> str:
     """Describe in a sentence or two which trials the means cover, and which failures they leave out."""
     counts = completeness(trials)
-    arranged = cells(trials, "angular_error")
+    arranged = arrange(trials, "angular_error")
     total, kept = arranged.common.size, int(arranged.common.sum())
     if not (counts["failed"].any() or counts["missing"].any()):
         return f"Every method completed all {total} pairs of shape and color map; every mean is over all of them."

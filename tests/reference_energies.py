@@ -1,4 +1,4 @@
-"""Integrability of a field of unit vectors: how far it is from the normals of a surface, in plain array arithmetic."""
+"""The energies of `toonkit.numerics` in plain array arithmetic: slow references for their compiled loops."""
 
 from __future__ import annotations
 
@@ -6,10 +6,61 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toonkit._validation import FloatArray
+from toonkit.numerics.change_energy import ChangeEnergy
 from toonkit.numerics.masked_grid import OUTSIDE, RIGHT, UP, MaskedGrid
+from toonkit.numerics.screened_poisson import ScreenedPoisson
+from toonkit.numerics.smoothness_energy import SmoothnessEnergy
+from toonkit.numerics.unit_vectors import UnitVectorEnergy
 
 CORNERS = np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
 """(x, y) side of each corner of a 2 x 2 cell: lower left, lower right, upper left, upper right."""
+
+
+def penalty(energy: UnitVectorEnergy, field: FloatArray) -> float:
+    """Penalty on the component of vectors (P, 3)."""
+    return float(np.sum(energy.weight * _excess(energy, field) ** 2))
+
+
+def energy_value(energy: UnitVectorEnergy, field: FloatArray) -> float:
+    """Energy of vectors (P, 3)."""
+    if isinstance(energy, ChangeEnergy):
+        change = field - energy.start
+        coupled = np.sum(change * _change_term(energy).apply(change))
+        integrability = np.sum(integrability_residual(energy.grid, field) ** 2)
+        return (
+            penalty(energy, field)
+            + energy.change_weight * float(coupled)
+            + energy.integrability_weight * float(integrability)
+        )
+    assert isinstance(energy, SmoothnessEnergy)
+    bend = _laplacian(energy, field)
+    return penalty(energy, field) + energy.smoothness * float(np.sum(bend**2 / energy.areas[:, None]))
+
+
+def energy_gradient(energy: UnitVectorEnergy, field: FloatArray) -> FloatArray:
+    """Gradient with respect to the vectors, shape (P, 3), before any constraint on their length."""
+    gradient = (2.0 * energy.weight * _excess(energy, field))[:, None] * energy.direction
+    if isinstance(energy, ChangeEnergy):
+        gradient = gradient + 2.0 * energy.change_weight * _change_term(energy).apply(field - energy.start)
+        return gradient + energy.integrability_weight * integrability_gradient(energy.grid, field)
+    assert isinstance(energy, SmoothnessEnergy)
+    # The Laplacian is its own adjoint.
+    twice = _laplacian(energy, _laplacian(energy, field) / energy.areas[:, None])
+    return gradient + 2.0 * energy.smoothness * twice
+
+
+def _excess(energy: UnitVectorEnergy, field: FloatArray) -> FloatArray:
+    """Signed distance of the component to its interval, zero inside, shape (P,)."""
+    component = field @ energy.direction
+    return component - np.clip(component, energy.lower, energy.upper)
+
+
+def _laplacian(energy: SmoothnessEnergy, field: FloatArray) -> FloatArray:
+    return -ScreenedPoisson(energy.grid, energy.edge_weights, np.zeros(energy.grid.size)).apply(field)
+
+
+def _change_term(energy: ChangeEnergy) -> ScreenedPoisson:
+    return ScreenedPoisson(energy.grid, energy.edge_weights, energy.screening)
 
 
 def integrability_residual(grid: MaskedGrid, field: FloatArray) -> FloatArray:

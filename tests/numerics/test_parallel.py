@@ -8,25 +8,25 @@ import pytest
 import threadpoolctl
 
 from tests.analytic import blob_mask
-from toonkit.numerics import bands
-from toonkit.numerics.bands import run_each, run_in_bands, run_in_pieces, single_threaded_blas
+from toonkit.numerics import parallel
 from toonkit.numerics.masked_grid import OUTSIDE, MaskedGrid
+from toonkit.numerics.parallel import run_each, run_on_chunks, run_on_row_chunks, single_threaded_blas
 
 
 @pytest.fixture(autouse=True)
-def small_bands(monkeypatch):
-    monkeypatch.setattr(bands, "BAND", 60)
+def small_chunks(monkeypatch):
+    monkeypatch.setattr(parallel, "CHUNK_PIXELS", 60)
 
 
 @pytest.fixture(params=[1, 2, 3, 7], ids=lambda cores: f"{cores}-cores", autouse=True)
 def cores(request, monkeypatch):
-    monkeypatch.setattr(bands, "cores", lambda: request.param)
+    monkeypatch.setattr(parallel, "count_cores", lambda: request.param)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_every_pixel_lies_in_one_band_and_no_block_in_two(seed):
     grid = MaskedGrid(blob_mask(seed, size=40))
-    spans = grid.bands.spans
+    spans = grid.chunks.spans
     assert len(spans) > 3
     assert [place for span in spans for place in range(*span)] == list(range(grid.size))
     for (_, end), (start, _) in pairwise(spans):
@@ -39,7 +39,7 @@ def test_every_pixel_lies_in_one_band_and_no_block_in_two(seed):
 def test_no_pixel_sees_across_a_separator(seed):
     grid = MaskedGrid(blob_mask(seed, size=40))
     owner = np.full(grid.size, -1)
-    for k, span in enumerate(grid.bands.between):
+    for k, span in enumerate(grid.chunks.between):
         owner[slice(*span)] = k
     for here, there in zip(grid.neighbors.T, grid.neighbors.T, strict=True):
         linked = np.flatnonzero(here != OUTSIDE)
@@ -49,13 +49,13 @@ def test_no_pixel_sees_across_a_separator(seed):
 
 def test_results_come_in_the_order_of_the_bands():
     grid = MaskedGrid(blob_mask(1, size=40))
-    assert grid.bands.run(lambda scale, first, last: (scale * first, scale * last), 2) == [
-        (2 * first, 2 * last) for first, last in grid.bands.spans
+    assert grid.chunks.run(lambda scale, first, last: (scale * first, scale * last), 2) == [
+        (2 * first, 2 * last) for first, last in grid.chunks.spans
     ]
 
 
 def test_a_sweep_visits_every_pixel_once_and_back_in_the_reverse_order(monkeypatch):
-    monkeypatch.setattr(bands, "cores", lambda: 1)
+    monkeypatch.setattr(parallel, "count_cores", lambda: 1)
     grid = MaskedGrid(blob_mask(2, size=40))
     order = {}
     for backward in (False, True):
@@ -64,7 +64,7 @@ def test_a_sweep_visits_every_pixel_once_and_back_in_the_reverse_order(monkeypat
         def visit(backward, first, last, seen=seen):
             seen += reversed(range(first, last)) if backward else range(first, last)
 
-        grid.bands.sweep(visit, backward=backward)
+        grid.chunks.sweep(visit, backward=backward)
     assert sorted(order[False]) == list(range(grid.size))
     assert set(order[True]) == set(order[False])
 
@@ -75,7 +75,7 @@ def test_what_a_loop_raises_is_raised():
             raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):
-        MaskedGrid(blob_mask(1, size=40)).bands.run(fail)
+        MaskedGrid(blob_mask(1, size=40)).chunks.run(fail)
 
 
 def test_the_rows_of_an_array_are_all_run():
@@ -84,22 +84,22 @@ def test_the_rows_of_an_array_are_all_run():
     def count(picture, first, last):
         done[first:last] += 1
 
-    run_in_bands(count, picture)
+    run_on_row_chunks(count, picture)
     assert (done == 1).all()
 
 
 def test_pieces_make_up_the_whole_in_order(monkeypatch):
-    monkeypatch.setattr(bands, "PIECE", 7)
+    monkeypatch.setattr(parallel, "CHUNK_NUMBERS", 7)
     values = np.arange(40.0)
     doubled = np.zeros(40)
 
-    def double(values, doubled, piece):
-        doubled[piece] += 2 * values[piece]
-        return piece.start
+    def double(values, doubled, chunk):
+        doubled[chunk] += 2 * values[chunk]
+        return chunk.start
 
-    assert run_in_pieces(double, 40, values, doubled) == list(range(0, 40, 7))
+    assert run_on_chunks(double, 40, values, doubled) == list(range(0, 40, 7))
     assert np.array_equal(doubled, 2 * values)
-    assert run_in_pieces(double, 0, values, doubled) == []
+    assert run_on_chunks(double, 0, values, doubled) == []
 
 
 def test_of_several_functions_the_answers_come_in_order():

@@ -1,18 +1,19 @@
-"""Evidence: tests of claims on the study's table, each with its numbers and an outcome."""
+"""ClaimTests: tests of claims on the study's table, each with its numbers and an outcome."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
 from scipy import stats
 
 from toonkit._validation import BoolArray, FloatArray
+from toonkit.study.color_maps import load_ramps
 from toonkit.study.measures import MEASURES
-from toonkit.study.reporting.cells import Cells, cells
+from toonkit.study.reporting.measure_table import MeasureTable, arrange
 from toonkit.study.reporting.statistics import (
     FEWEST,
     LEVEL,
@@ -39,25 +40,25 @@ class Check:
     ----------
     says : str
         The statement in words.
-    evidence : str
-        The numbers.
+    numbers : str
+        The numbers that were compared.
     outcome : {"holds", "does not hold", "undecided"}
         "holds" if the 95 % interval of the number lies entirely on the claimed side, "does not hold" if entirely on the
         other, else "undecided", also without an interval because of too few shapes or color maps.
     """
 
     says: str
-    evidence: str
+    numbers: str
     outcome: Outcome
 
     def __str__(self) -> str:
-        return f"{self.says}: {self.outcome} ({self.evidence})"
+        return f"{self.says}: {self.outcome} ({self.numbers})"
 
 
 @dataclass(frozen=True, eq=False)
-class Evidence:
+class ClaimTests:
     """
-    Tests on a table. Every method below returns a `Check`.
+    Tests on a table. `run` calls one by its name; each returns a `Check`.
 
     Attributes
     ----------
@@ -71,13 +72,24 @@ class Evidence:
 
     trials: pd.DataFrame
     draws: Resamples
-    tables: dict[str, Cells] = field(default_factory=dict)
+    tables: dict[str, MeasureTable] = field(default_factory=dict)
 
-    def table(self, measure: str) -> Cells:
+    def table(self, measure: str) -> MeasureTable:
         """Return a measure, arranged."""
         if measure not in self.tables:
-            self.tables[measure] = cells(self.trials, measure)
+            self.tables[measure] = arrange(self.trials, measure)
         return self.tables[measure]
+
+    def run(self, test: str, **arguments: Any) -> Check:
+        """Run a test by its name in `claims.json`."""
+        tests: dict[str, Callable[..., Check]] = {
+            "less": self.less,
+            "nearer_to": self.nearer_to,
+            "no_worse": self.no_worse,
+            "as_the_truth": self.as_the_truth,
+            "ranked": self.ranked,
+        }
+        return tests[test](**arguments)
 
     def less(self, measure: str, method: str, than: str) -> Check:
         """Check that one method has the smaller value."""
@@ -111,29 +123,23 @@ class Evidence:
             outcome,
         )
 
-    def ranked(self, says: str, minuend: str, subtrahend: str, order: Mapping[str, float]) -> Check:
+    def ranked(self, says: str, method: str, than: str, ramps: Literal["softness", "tones"]) -> Check:
         """
-        Check that how much worse one method's normals are than another's grows as a property of color maps falls.
+        Check that the excess error of a method's normals over another's falls with a property of the color maps.
 
-        Parameters
-        ----------
-        says : str
-            The check in words.
-        minuend, subtrahend : str
-            The worse method and the other.
-        order : mapping of str to float
-            Color map -> property; maps that are not in it do not count.
-
-        Returns
-        -------
-        Check
-            Of Spearman's correlation over color maps.
+        The property is the softness of a ramp, or the number of tones of a hard one. The check is of Spearman's correlation
+        over color maps.
         """
+        order = {
+            name: ramp.softness if ramps == "softness" else float(len(ramp.tones))
+            for name, ramp in load_ramps().items()
+            if ramps == "softness" or "hard" in ramp.tags
+        }
         table = self.table("angular_error")
-        if not {minuend, subtrahend} <= set(table.working):
+        if not {method, than} <= set(table.working):
             return Check(says, "a method completed no trial", "undecided")
         chosen = np.array([name in order for name in table.color_maps])
-        excess = (table.of(minuend) - table.of(subtrahend))[:, chosen]
+        excess = (table.of(method) - table.of(than))[:, chosen]
         values = np.array([order[name] for name in table.color_maps if name in order])
         found = _rank_correlation(excess, values, self.draws, chosen)
         if not found.trials:
@@ -171,7 +177,7 @@ def _side(found: Interval, limit: float) -> Outcome:
     return "does not hold" if found.low > limit else "undecided"
 
 
-def _kind(table: Cells) -> str:
+def _kind(table: MeasureTable) -> str:
     return "medians" if is_ratio(table.measure) else "means"
 
 
