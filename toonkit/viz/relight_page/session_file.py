@@ -152,9 +152,8 @@ def read_saved_work(content: bytes, name: str) -> SavedWork:
             return _session(arrays, analysis) if VERSION in arrays.names else _plain(analysis)
         except MemoryError:
             raise
-        except (
-            Exception
-        ) as error:  # zipfile, zlib, json and param raise nearly every type there is for a damaged file
+        # For a damaged file, zipfile, zlib, json and param raise nearly every type there is.
+        except Exception as error:
             reason = str(error).replace(str(path), name)
             raise refuse(
                 "source",
