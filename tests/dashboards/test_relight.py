@@ -139,6 +139,17 @@ def test_flat_shading_is_offered_where_something_is_flat_and_changes_the_picture
     assert until(relight_page, lambda: differ(relit_pixels(relight_page), before) > 0.005)
 
 
+def test_both_sliders_of_a_light_may_be_moved_before_the_next_frame(relight_page):
+    relight_page.get_by_role("slider", name="Relit: azimuth").evaluate("""(slider) => {
+      const inputs = slider.closest(".right").querySelectorAll("input")
+      for (const [place, value] of [200, 25].entries()) {
+        inputs[place].value = value
+        inputs[place].dispatchEvent(new Event("input"))
+      }
+    }""")
+    assert until(relight_page, lambda: sliders(relight_page, "relit") == [200, 25], seconds=10)
+
+
 def test_ambient_light_fills_the_shadows_of_the_relit_picture(relight_page):
     before = relit_pixels(relight_page)
     relight_page.get_by_role("slider", name="Ambient light").focus()

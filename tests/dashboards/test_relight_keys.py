@@ -18,6 +18,7 @@ def test_the_light_is_moved_undone_and_redone_with_keys(relight_page):
     relight_page.keyboard.press("Shift+ArrowUp")
     moved = [start[0] + 1, start[1] + 10]
     assert until(relight_page, lambda: sliders(relight_page, "relit") == moved)
+    expect(relight_page.get_by_role("button", name="Undo")).to_be_enabled()
     relight_page.keyboard.press("Control+z")
     assert until(relight_page, lambda: sliders(relight_page, "relit") == start)
     assert until(relight_page, lambda: differ(relit_pixels(relight_page), before) < 0.0005)

@@ -257,6 +257,7 @@ def test_a_brush_paints_under_its_ring_on_a_magnified_picture(materials_page):
     swatches(materials_page).nth(1).click()
     button(materials_page, "Brush").click()
     materials_page.mouse.move(*place(materials_page, BALL))
+    wait_until_shown(materials_page)
     ring = materials_page.locator(".ring")
     width, share = ring.bounding_box()["width"], share_of(materials_page, 1)
     zoom(materials_page, place(materials_page, (0.35, 0.6)), 4)

@@ -206,7 +206,8 @@ function lightCard(parent, {name, title, hint, angles, frame, onMove, onRelease}
   sliders.forEach(({input}, index) => {
     input.addEventListener("input", () => {
       const value = Number(input.value)
-      onMove(index === 0 ? [wrapped(value), angles[1]] : [angles[0], value])
+      angles = index === 0 ? [wrapped(value), angles[1]] : [angles[0], value]
+      onMove(angles)  // the other slider may be moved before this is drawn
     })
     input.addEventListener("change", onRelease)
   })

@@ -55,10 +55,11 @@ function render({model}) {
 
   // ---- undo and redo, of the light as well
   function travel(button, action) {
-    if (button.disabled || editor.drawing) { return false }
+    if (editor.drawing) { return false }
     circle.stop()
     for (const card of [drawing, relit]) { card.settle() }  // a key that is let go of later would move the light again
-    if (timer !== null) { send() }
+    if (timer !== null) { send() }  // what was moved a moment ago can be undone, too
+    if (button.disabled) { return false }
     ask(action)
     return true
   }
