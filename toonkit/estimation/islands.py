@@ -14,7 +14,7 @@ from scipy.ndimage import find_objects, label
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.silhouette import Silhouette, trace_silhouette
 from toonkit.estimation.turn import AS_DRAWN, Turn
-from toonkit.numerics.masked_grid import STEPS, Box, IndexArray, MaskedGrid, bounding_box
+from toonkit.numerics.masked_grid import Box, IndexArray, MaskedGrid, bounding_box
 
 LEAST_PIXELS = 64
 """Pixels of an island that is analyzed by itself. Smaller ones, such as the dots of a dithered drawing, form one object."""
@@ -146,20 +146,3 @@ def find_islands(grid: MaskedGrid, coverage: FloatArray, *, most: int = MOST) ->
         )
         for (rows, columns), mask in parts
     )
-
-
-def rim_pixels(islands: tuple[Island, ...], size: int) -> NDArray[np.intp] | None:
-    """
-    Return the pixels of an object, of so many, that lie on its silhouette; None if that does not face all four ways.
-
-    A silhouette that the frame cuts off on one side may hide what the object shows there.
-    """
-    facing = np.unique(np.concatenate([island.silhouette.directions for island in islands]))
-    if len(facing) < len(STEPS):
-        return None
-    chosen = np.zeros(size, np.bool_)
-    for island in islands:
-        own = np.zeros(island.grid.size, np.bool_)
-        own[island.silhouette.pixels] = True
-        chosen[island.pixels] = own
-    return np.flatnonzero(chosen)

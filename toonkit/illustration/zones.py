@@ -28,10 +28,6 @@ CONTRAST = 2.0
 SURROUNDINGS = 9
 """Width of the window in which the variation of the paint is measured, in pixels."""
 
-ALIKE_NEIGHBORS = 3
-"""Number of the eight neighbors that have the same color within flat paint. A mixed pixel on an edge has at most two,
-along the edge."""
-
 FEWEST = 4
 """Fewest pixels of a zone."""
 

@@ -52,56 +52,12 @@ def _poisson_pull(neighbors, start, edge_weights, screening, field, p):  # type:
 
 @njit(inline="always")
 def _integrability_terms(neighbors, field, nx, ny, nz, share, p):  # type: ignore[no-untyped-def]
-    """Return the gradient of the four cells around p, and its Gauss-Newton curvature in the tangent plane."""
-    cx = cy = cz = haa = hab = hbb = 0.0
-    for side in range(0, 4, 2):
-        beside = neighbors[p, side]
-        if beside < 0:
-            continue
-        for end in range(1, 4, 2):
-            above = neighbors[p, end]
-            if above < 0:
-                continue
-            across = neighbors[beside, end]
-            if across < 0:
-                continue
-            residual, gx, gy, gz = _cell(
-                field, nx, ny, nz, beside, above, across, 0.5 * (side - 1.0), 0.5 * (end - 2.0)
-            )
-            cx += residual * gx
-            cy += residual * gy
-            cz += residual * gz
-            tilt = share * (gx * nx + gy * ny) + gz
-            ga = gx - tilt * nx
-            gb = gy - tilt * ny
-            haa += ga * ga
-            hab += ga * gb
-            hbb += gb * gb
-    return cx, cy, cz, haa, hab, hbb
+    """
+    Sum the squared residuals of the four cells around p.
 
-
-@njit(inline="always")
-def _add_spring(firm, away, la, lb, ga, gb, haa, hab, hbb):  # type: ignore[no-untyped-def]
-    """Add firm / 2 times the square of the component's distance `away` to a gradient and its second derivatives."""
-    ga += firm * away * la
-    gb += firm * away * lb
-    haa += firm * la * la
-    hab += firm * la * lb
-    hbb += firm * lb * lb
-    return ga, gb, haa, hab, hbb
-
-
-@njit(inline="always")
-def _newton_step(ga, gb, haa, hab, hbb):  # type: ignore[no-untyped-def]
-    """Return the step in the tangent plane at which the gradient vanishes."""
-    scale = 1.0 / (haa * hbb - hab * hab)
-    return scale * (hab * gb - hbb * ga), scale * (hab * ga - haa * gb)
-
-
-@njit(inline="always")
-def _integrability_gradient(neighbors, field, nx, ny, nz, p):  # type: ignore[no-untyped-def]
-    """Return the sum of squared residuals of the four cells around p, and half of its gradient."""
-    squares = cx = cy = cz = 0.0
+    Returns the sum, half of its gradient (3 numbers), and the Gauss-Newton curvature in the tangent plane (3 numbers).
+    """
+    squares = cx = cy = cz = haa = hab = hbb = 0.0
     for side in range(0, 4, 2):
         beside = neighbors[p, side]
         if beside < 0:
@@ -120,7 +76,31 @@ def _integrability_gradient(neighbors, field, nx, ny, nz, p):  # type: ignore[no
             cx += residual * gx
             cy += residual * gy
             cz += residual * gz
-    return squares, cx, cy, cz
+            tilt = share * (gx * nx + gy * ny) + gz
+            ga = gx - tilt * nx
+            gb = gy - tilt * ny
+            haa += ga * ga
+            hab += ga * gb
+            hbb += gb * gb
+    return squares, cx, cy, cz, haa, hab, hbb
+
+
+@njit(inline="always")
+def _add_spring(firm, away, la, lb, ga, gb, haa, hab, hbb):  # type: ignore[no-untyped-def]
+    """Add firm / 2 times the square of the component's distance `away` to a gradient and its second derivatives."""
+    ga += firm * away * la
+    gb += firm * away * lb
+    haa += firm * la * la
+    hab += firm * la * lb
+    hbb += firm * lb * lb
+    return ga, gb, haa, hab, hbb
+
+
+@njit(inline="always")
+def _newton_step(ga, gb, haa, hab, hbb):  # type: ignore[no-untyped-def]
+    """Return the step in the tangent plane at which the gradient vanishes."""
+    scale = 1.0 / (haa * hbb - hab * hab)
+    return scale * (hab * gb - hbb * ga), scale * (hab * ga - haa * gb)
 
 
 @njit(inline="always")
@@ -174,7 +154,7 @@ def sweep_change(  # type: ignore[no-untyped-def]
         # (n looks at the viewer, so that 1 + nz >= 1) a vector g has the components
         # g·a = gx - tilt nx and g·b = gy - tilt ny with tilt = share (gx nx + gy ny) + gz.
         share = 1.0 / (1.0 + nz)
-        cx, cy, cz, haa, hab, hbb = _integrability_terms(neighbors, field, nx, ny, nz, share, p)
+        _, cx, cy, cz, haa, hab, hbb = _integrability_terms(neighbors, field, nx, ny, nz, share, p)
         double = 2.0 * curl_weight
         curvature = max(curvature - double * (cx * nx + cy * ny + cz * nz), LEAST_CURVATURE * curvature)
         haa = double * haa + curvature
@@ -245,7 +225,8 @@ def value_and_gradient(  # type: ignore[no-untyped-def]
             gx -= tau[p, 0]
             gy -= tau[p, 1]
             gz -= tau[p, 2]
-        squares, cx, cy, cz = _integrability_gradient(neighbors, field, nx, ny, nz, p)
+        # The curvature is not asked for: without a use, the compiler leaves it out.
+        squares, cx, cy, cz, _, _, _ = _integrability_terms(neighbors, field, nx, ny, nz, 0.0, p)
         energy += 0.25 * curl_weight * squares  # each cell is seen from its four corners
         double = 2.0 * curl_weight
         gx += double * cx

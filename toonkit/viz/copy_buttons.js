@@ -53,6 +53,7 @@ function render({model}) {
     const done = await copied(text)
     if (!done) { box.select() }
     told.textContent = `${done ? "Copied." : "Not copied: press Ctrl+C."} ${note}`
+    shown.scrollIntoView({block: "nearest"})
   })
   const allow = () => { for (const button of buttons) { button.disabled = model.disabled } }
   model.on("change:disabled", allow)

@@ -164,24 +164,6 @@ def color_map_fit(analysis: ToonAnalysis, *, material: int = 0, seed: int = 0) -
     )
 
 
-def color_ramp(color_map: ColorMap) -> hv.RGB:
-    """
-    Return a color map as a horizontal strip over illumination -1 to 1.
-
-    Parameters
-    ----------
-    color_map : ColorMap
-        The map M.
-
-    Returns
-    -------
-    holoviews.RGB
-        A strip without a vertical axis.
-    """
-    strip = _strip(color_map, bounds=(-1.0, 0.0, 1.0, 1.0))
-    return strip.opts(yaxis=None, xlabel="illumination  L · N", height=90, responsive=True, backend=BACKEND)
-
-
 def error_map(error: ArrayLike, *, label: str, unit: str, limit: float | None = None) -> hv.Image:
     """
     Return a map of per-pixel errors with a color bar.
@@ -250,10 +232,9 @@ def _backdrop() -> hv.Rectangles:
     return ground.opts(color=NEUTRAL, line_color=None, backend=BACKEND)
 
 
-def _strip(color_map: ColorMap, bounds: tuple[float, float, float, float] | None = None) -> hv.RGB:
+def _strip(color_map: ColorMap) -> hv.RGB:
     samples = color_map(np.linspace(-1.0, 1.0, 512))[None]
-    left, bottom, right, top = bounds or (-1.0, STRIP[0], 1.0, STRIP[1])
-    return hv.RGB(samples, bounds=(left, bottom, right, top), kdims=["illumination", "tone"])
+    return hv.RGB(samples, bounds=(-1.0, STRIP[0], 1.0, STRIP[1]), kdims=["illumination", "tone"])
 
 
 def _curve(color_map: ColorMap) -> hv.Overlay:

@@ -18,9 +18,6 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 PAGE_WIDTH = 7.0
 """Inches across both columns of a journal's page."""
 
-COLUMN_WIDTH = 3.4
-"""Inches across one column."""
-
 PAD = 0.025
 """Inches around each panel."""
 
