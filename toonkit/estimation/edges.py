@@ -42,7 +42,7 @@ def edge_links(
     The ranges of two bands that follow each other in the color map touch. If two colors meet in the picture although
     others lie between them in the color map, they are not bands of one smooth surface. There is a contour, where one
     part of the object ends in front of another, or a crease. The two sides of a drawn line count as neighbors, because
-    the paint beneath a line continues the paint beside it. EdgeWeights also weaken where soft shading is so steep that
+    the paint beneath a line continues the paint beside it. Edges also weaken where soft shading is so steep that
     neighbors skip a part of it, as near a rim.
     """
     links = np.empty(grid.neighbors.shape, np.float32)

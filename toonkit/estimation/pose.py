@@ -44,7 +44,7 @@ class Pose:
     def reduced_paint(self) -> tuple[ReducedPaint, ...]:
         """Each island's tones and ink at about the resolution that the networks see."""
         gray = self.gray
-        del self.__dict__["gray"]  # who needs all of it besides holds it already
+        self.__dict__.pop("gray", None)  # who needs all of it besides holds it already
         return tuple(
             reduce_paint(
                 island.grid,
