@@ -256,6 +256,7 @@ def test_a_part_of_a_magnified_picture_is_chosen_and_a_double_click_counts_once(
 def test_a_brush_paints_under_its_ring_on_a_magnified_picture(materials_page):
     swatches(materials_page).nth(1).click()
     button(materials_page, "Brush").click()
+    materials_page.get_by_role("slider", name="Brush size").fill("45")
     materials_page.mouse.move(*place(materials_page, BALL))
     wait_until_shown(materials_page)
     ring = materials_page.locator(".ring")
