@@ -20,6 +20,7 @@ import toonkit
 from tests.dashboards.conftest import free_port
 from toonkit import METHODS, ToonkitError
 from toonkit.study import batches, cluster
+from toonkit.study.batches import Batch
 from toonkit.study.painting import StudySettings
 from toonkit.study.plan import StudyPlan, plan_study
 from toonkit.study.record_store import LOST
@@ -357,6 +358,27 @@ def test_two_processes_joined_to_a_scheduler_give_the_same_table(tmp_path, undis
         run_study(plan(), tmp_path / "lost", scheduler=address, progress=kill)
     assert 4 <= len(records(tmp_path / "lost")) < TRIALS
     assert_same(run_study(plan(), tmp_path / "lost", workers=0), undisturbed)
+
+
+class LostOnTheWay:
+    """A client whose scheduler goes away after a batch was measured, before its records have arrived."""
+
+    status = "finished"
+
+    def submit(self, *_, **__):
+        return self
+
+    def done(self):
+        return True
+
+    def result(self):
+        raise ConnectionResetError
+
+
+def test_records_that_do_not_arrive_are_those_of_a_lost_scheduler():
+    batch = Batch.of(next(iter(plan().batches())), plan())
+    with pytest.raises(ToonkitError, match=f"lost with {len(batch.trials)} trials to go"):
+        list(cluster._submit_all([batch], LostOnTheWay(), []))
 
 
 class Mixed:

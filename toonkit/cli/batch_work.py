@@ -138,7 +138,12 @@ def analyzed_by_cluster(items: Sequence[BatchItem], scheduler: str) -> Outcomes:
         for future in yield_done(running, client):
             item = running.pop(future)
             if future.status == "finished":
-                yield _written(item, *future.result())
+                try:
+                    answer = future.result()
+                except OSError:  # the scheduler is lost while the answer is on its way
+                    running[future] = item
+                    break
+                yield _written(item, *answer)
             elif future.status == "error":
                 yield Outcome(item, _told(future.exception()))
             else:

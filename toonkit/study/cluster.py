@@ -144,15 +144,18 @@ def _submit_all(batches: Sequence[Batch], client: Any, suspects: list[Batch]) ->
         waiting[future] = batch
     truths.clear()  # a rendered shape is forgotten as soon as its last batch is done
     for future in yield_done(waiting, client):
+        left = sum(len(batch.trials) for batch in waiting.values())
         batch = waiting.pop(future)
         if future.status == "finished":
-            yield from zip(batch.trials, future.result(), strict=True)
+            try:
+                records = future.result()
+            except OSError as error:  # the scheduler is lost while the records are on their way
+                raise _lost_scheduler(left) from error
+            yield from zip(batch.trials, records, strict=True)
         elif _has_lost_worker(future):
             suspects.append(batch)
         else:
-            raise _study_error(
-                future, len(batch.trials) + sum(len(other.trials) for other in waiting.values())
-            )
+            raise _study_error(future, left)
     suspects.extend(waiting.values())
 
 
@@ -210,12 +213,16 @@ def _has_lost_worker(future: Any) -> bool:
     return future.status == "error" and isinstance(future.exception(), KilledWorker)
 
 
+def _lost_scheduler(left: int) -> ToonkitError:
+    return ToonkitError(
+        f"scheduler must stay reachable; got lost with {left} trials to go: run the same command again and it goes on"
+    )
+
+
 def _study_error(future: Any, left: int) -> ToonkitError:
     """Return the error for a study that cannot go on now."""
     if future.status != "error":
-        return ToonkitError(
-            f"scheduler must stay reachable; got lost with {left} trials to go: run the same command again and it goes on"
-        )
+        return _lost_scheduler(left)
     error = future.exception()
     if isinstance(error, ToonkitError):
         return error
