@@ -29,7 +29,7 @@ from toonkit.estimation.working_square import SIZE, WorkingSquare
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
 from toonkit.numerics.parallel import run_each
-from toonkit.numerics.unit_vectors import add_and_normalize
+from toonkit.numerics.unit_vectors import unit_vectors
 
 SQUARES = ((1.0, True), (1.045, False))
 """Squares on which the network is asked: how much wider than the object needs, the first one not at all, and whether
@@ -84,7 +84,7 @@ def correct_shape(
             np.mean(run_each([view.answer_on_the_finer_square for view in views]), axis=0) * views[0].need()
         )
         spread = square.enlarged(overview.factor).spread(square.turned_back(change), island.grid)
-        corrected.append(add_and_normalize(island.grid, island.own_vectors(initial_normals.compact), spread))
+        corrected.append(_add_and_normalize(island.own_vectors(initial_normals.compact), spread))
     return NormalField.of_pixels(join_vectors(pose.islands, corrected), initial_normals.mask)
 
 
@@ -209,6 +209,14 @@ class _View:
     def answer_on_the_finer_square(self) -> FloatArray:
         """Return the answer on the object's square, `FINER` times as fine."""
         return _resampled(self.answer(), self.wider, FINER * SIZE)
+
+
+def _add_and_normalize(field: FloatArray, step: FloatArray) -> FloatArray:
+    """Return the unit vectors (P, 3) of a field plus a step, z >= 0; one that vanishes becomes (0, 0, 1)."""
+    changed: FloatArray = field + step
+    np.maximum(changed[:, 2], 0.0, out=changed[:, 2])
+    changed[~changed.any(axis=1), 2] = 1.0
+    return unit_vectors(changed)
 
 
 def _resampled(field: NDArray[Any], wider: float, size: int) -> FloatArray:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toonkit.numerics.compiled import njit
+from toonkit.numerics.compiled import larger, njit, smaller
 
 LEAST_CURVATURE = 0.3
 """Share of the pull's strength that its curvature has at least, so that a vector corrected the other way turns around."""
@@ -149,14 +149,14 @@ def sweep_change(  # type: ignore[no-untyped-def]
             fy += tau[p, 1]
             fz += tau[p, 2]
         strength = np.sqrt(fx * fx + fy * fy + fz * fz)
-        curvature = max(fx * nx + fy * ny + fz * nz, LEAST_CURVATURE * strength)
+        curvature = larger(fx * nx + fy * ny + fz * nz, LEAST_CURVATURE * strength)
         # In the basis a = (1 - nx² share, -nx ny share, -nx), b = (-nx ny share, 1 - ny² share, -ny) of the tangent plane
         # (n looks at the viewer, so that 1 + nz >= 1) a vector g has the components
         # g·a = gx - tilt nx and g·b = gy - tilt ny with tilt = share (gx nx + gy ny) + gz.
         share = 1.0 / (1.0 + nz)
         _, cx, cy, cz, haa, hab, hbb = _integrability_terms(neighbors, field, nx, ny, nz, share, p)
         double = 2.0 * curl_weight
-        curvature = max(curvature - double * (cx * nx + cy * ny + cz * nz), LEAST_CURVATURE * curvature)
+        curvature = larger(curvature - double * (cx * nx + cy * ny + cz * nz), LEAST_CURVATURE * curvature)
         haa = double * haa + curvature
         hab = double * hab
         hbb = double * hbb + curvature
@@ -182,7 +182,7 @@ def sweep_change(  # type: ignore[no-untyped-def]
         down = nx * da + ny * db
         nx += da - share * down * nx
         ny += db - share * down * ny
-        nz = max(nz - down, 0.0)
+        nz = larger(nz - down, 0.0)
         _store_unit(field, p, nx, ny, nz)
 
 
@@ -233,7 +233,7 @@ def value_and_gradient(  # type: ignore[no-untyped-def]
         gy += double * cy
         gz += double * cz
         component = lx * nx + ly * ny + lz * nz
-        excess = component - min(max(component, lower[p]), upper[p])
+        excess = component - smaller(larger(component, lower[p]), upper[p])
         energy += weight[p] * excess * excess
         pull = 2.0 * weight[p] * excess
         if held:
@@ -296,7 +296,7 @@ def retract(field, step, length, out, first, last):  # type: ignore[no-untyped-d
     for p in range(first, last):
         x = field[p, 0] + length * step[p, 0]
         y = field[p, 1] + length * step[p, 1]
-        z = max(field[p, 2] + length * step[p, 2], 0.0)
+        z = larger(field[p, 2] + length * step[p, 2], 0.0)
         norm = np.sqrt(x * x + y * y + z * z)
         if norm > 1e-12:
             out[p, 0], out[p, 1], out[p, 2] = x / norm, y / norm, z / norm

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toonkit.numerics.compiled import njit
+from toonkit.numerics.compiled import larger, njit, smaller
 
 LEAST_CURVATURE = 0.3
 """Share of the pull's strength that its curvature has at least, so that a vector which looks the other way turns around."""
@@ -95,7 +95,7 @@ def sweep_smooth(  # type: ignore[no-untyped-def]
             fy += tau[p, 1]
             fz += tau[p, 2]
         along = fx * nx + fy * ny + fz * nz
-        curvature = max(along, LEAST_CURVATURE * np.sqrt(fx * fx + fy * fy + fz * fz))
+        curvature = larger(along, LEAST_CURVATURE * np.sqrt(fx * fx + fy * fy + fz * fz))
         if curvature <= 0.0:
             curvature = 1e-12 * smoothness + 1e-300
         gx, gy, gz = along * nx - fx, along * ny - fy, along * nz - fz
@@ -117,7 +117,7 @@ def sweep_smooth(  # type: ignore[no-untyped-def]
         less = (pull * curvature - firm * down) / (curvature * (curvature + firm * across))
         nx -= RELAXATION * (gx / curvature + less * ax)
         ny -= RELAXATION * (gy / curvature + less * ay)
-        nz = max(nz - RELAXATION * (gz / curvature + less * az), 0.0)
+        nz = larger(nz - RELAXATION * (gz / curvature + less * az), 0.0)
         _store_unit(field, p, nx, ny, nz)
 
 
@@ -155,7 +155,7 @@ def smooth_value_and_gradient(  # type: ignore[no-untyped-def]
             gy -= tau[p, 1]
             gz -= tau[p, 2]
         component = lx * nx + ly * ny + lz * nz
-        excess = component - min(max(component, lower[p]), upper[p])
+        excess = component - smaller(larger(component, lower[p]), upper[p])
         energy += weight[p] * excess * excess
         pull = 2.0 * weight[p] * excess
         if held:
