@@ -164,3 +164,22 @@ def test_the_memory_order_of_a_picture_changes_nothing(layout):
     light = illumination(disc.normals, LIGHT)
     expected = fit_color_map(ToonImage(color, disc.mask), light)
     assert np.array_equal(fit_color_map(ToonImage(stored, disc.mask), light).colors, expected.colors)
+
+
+def test_two_gradients_of_equal_luminance_give_no_stripes():
+    light = np.tile(np.linspace(0.2, 0.8, 120), (40, 1))
+    color = np.repeat(light[..., None], 3, axis=2)
+    color[::2] *= (0.3, 1.2, 0.3)  # every other row is green, about as bright
+    color = np.rint(255 * color) / 255
+    fitted = fit_color_map(ToonImage(color, np.ones(light.shape, bool)), light).colors
+    way = np.abs(np.diff(fitted, axis=0)).sum(axis=0)
+    # Straight from the darkest to the brightest color and, at either end, from one hue to the other.
+    assert (way < 3 * np.ptp(fitted, axis=0)).all()
+
+
+def test_a_narrow_tone_keeps_its_place_in_the_map():
+    light = np.tile(np.linspace(-1, 1, 1000), (4, 1))
+    dark, between, bright = np.array([[0.2, 0.2, 0.5], [0.5, 0.3, 0.3], [0.9, 0.9, 0.8]])
+    color = np.where(light[..., None] < 0, dark, np.where(light[..., None] < 0.02, between, bright))
+    fitted = fit_color_map(ToonImage(color, np.ones(light.shape, bool)), light)
+    assert fitted([0.01])[0] == pytest.approx(between, abs=0.01)

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy import ndimage
 
 from toonkit._validation import FloatArray, as_array, of_type, refuse, same_shape
 from toonkit.estimation.painted_tones import PaintedTones
@@ -16,10 +17,14 @@ from toonkit.model.color_map import HALF_STEP, ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage
 from toonkit.model.luminance import linear_to_srgb
 from toonkit.model.materials import Materials
+from toonkit.model.oklab import oklab_to_srgb, srgb_to_oklab
 from toonkit.numerics.parallel import run_on_chunks
 
 SAMPLES = 1024
 """Samples of a fitted map. A hard step between two bands is blurred over at most 1/500 of illumination."""
+
+PULSE = 25
+"""A color that comes and goes within fewer samples is a pulse: 2.5 % of the map."""
 
 TYPICAL = (0.03, 0.97)
 """Shares of a material's pixels, from dark to bright, at which its color map ends. The colors beyond may belong to
@@ -190,7 +195,7 @@ def rank_matched(tones: PaintedTones, illumination: FloatArray) -> ColorMap:
     Fit the map to the illumination (P,) of a drawing's pixels, in any order; see `fit_color_map`.
 
     Each sample takes the mean color of its ranks, computed in linear light. Means of sRGB values could be darker for
-    brighter colors.
+    brighter colors. Pulses are removed, see `_without_pulses`.
     """
     ordered = np.sort(illumination)
     low, high = float(ordered[0]), float(ordered[-1])
@@ -206,7 +211,27 @@ def rank_matched(tones: PaintedTones, illumination: FloatArray) -> ColorMap:
     filled = last > first
     mean = (light(last[filled]) - light(first[filled])) / (last - first)[filled, None]
     samples = np.stack([np.interp(where, where[filled], channel) for channel in mean.T], axis=1)
-    return ColorMap(linear_to_srgb(np.clip(samples, 0.0, 1.0)), (low, high))
+    return ColorMap(_without_pulses(linear_to_srgb(np.clip(samples, 0.0, 1.0))), (low, high))
+
+
+def _without_pulses(colors: FloatArray) -> FloatArray:
+    """
+    Remove the pulses of a map (SAMPLES, 3), sRGB: steps to another color and back within fewer than `PULSE` samples.
+
+    Where two gradients of different hue have the same luminance, their colors take turns in the order of ranks, and the map
+    would paint thin stripes. The median of each component, in OKLab, removes pulses. It leaves monotonic steps, such
+    as those between most tones, exactly as they are.
+    """
+    lab = srgb_to_oklab(colors)
+    smooth = np.column_stack(
+        [ndimage.median_filter(component, 2 * PULSE - 1, mode="nearest") for component in lab.T]
+    )
+    changed = (smooth != lab).any(axis=1)
+    if not changed.any():
+        return colors
+    colors = colors.copy()
+    colors[changed] = np.clip(oklab_to_srgb(smooth[changed]), 0.0, 1.0)
+    return colors
 
 
 def allowed_interval(tones: PaintedTones, color_map: ColorMap) -> IlluminationInterval:
