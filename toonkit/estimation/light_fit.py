@@ -118,7 +118,9 @@ def estimate_light(
     contradicts it.
     """
     drawing = prepare(image)
-    if initial_normals is not None:
+    if initial_normals is None:
+        drawing = drawing.as_painted
+    else:
         of_type("initial_normals", initial_normals, NormalField)
         same_mask("initial_normals", initial_normals.mask, drawing.image.mask, "the picture")
     gray = drawing.posed().gray

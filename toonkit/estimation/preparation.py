@@ -16,6 +16,7 @@ from toonkit.estimation.painted_tones import PaintedTones
 from toonkit.estimation.pose import Pose
 from toonkit.estimation.shading_ratio import PaintedMaterial
 from toonkit.estimation.turn import turn_under_light
+from toonkit.illustration.enlargement import find_enlargement
 from toonkit.illustration.frame import Frame
 from toonkit.illustration.ink import Ink, find_ink, unmix_known_ink
 from toonkit.illustration.materials import FoundMaterials, label_materials, shows_one_ramp
@@ -122,6 +123,11 @@ class PreparedDrawing:
             if name in self.__dict__:
                 other.__dict__[name] = self.__dict__[name]
         return other
+
+    @property
+    def as_painted(self) -> PreparedDrawing:
+        """The drawing at the size at which it was painted: itself, unless it was enlarged."""
+        return self
 
     @property
     def mask(self) -> BoolArray:
@@ -317,6 +323,7 @@ def prepare(
     materials: ArrayLike | Materials | None = None,
     ink: ArrayLike | None = None,
     highlights: ArrayLike | None = None,
+    views: int = 1,
 ) -> PreparedDrawing:
     """
     Prepare a drawing for analysis.
@@ -334,6 +341,8 @@ def prepare(
     highlights : array_like of bool, shape (H, W), optional
         True where the paint shows a highlight, or a cast shadow: what lies on the paint and says nothing about the shape.
         Found if not given.
+    views : int, optional
+        How often a picture shows its object side by side: see `PreparedDrawing`.
 
     Returns
     -------
@@ -353,7 +362,11 @@ def prepare(
             return drawing
         return drawing.told(materials, ink, highlights)
     of_type("image", drawing, ToonImage)
-    return PreparedDrawing(drawing, materials, ink=ink, highlights=highlights)
+    from toonkit.estimation.enlarged_drawing import EnlargedDrawing  # noqa: PLC0415 - one of the class above
+
+    prepared = PreparedDrawing(drawing, materials, ink=ink, highlights=highlights, views=views)
+    enlargement = find_enlargement(drawing)
+    return prepared if enlargement is None else EnlargedDrawing.of(prepared, enlargement)
 
 
 def find_materials(image: ToonImage | PreparedDrawing) -> Materials:

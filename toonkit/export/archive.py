@@ -207,7 +207,7 @@ def _assemble(arrays: Arrays, version: int) -> ToonAnalysis:
     views = int(arrays.read("views", "i")) if "views" in arrays.names else 1
     if not 1 <= views <= pixels:
         raise refuse("views", f"must be a number from 1 to {pixels:,}", views)
-    drawing = _drawing(PreparedDrawing(image, views=views, **_given(arrays, mask)), materials)
+    drawing = _drawing(prepare(image, views=views, **_given(arrays, mask)), materials)
     return ToonAnalysis(
         image=image,
         method=method,

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from toonkit._validation import FloatArray, any_array, of_type, refuse
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.preparation import PreparedDrawing
+from toonkit.estimation.preparation import prepare
 from toonkit.frames.montage import Place, cut, montage
 from toonkit.methods import analyze
 from toonkit.methods.steps import StepProgress
@@ -125,7 +125,7 @@ def analyze_frames(
         raise refuse("frames", "must show something", f"{len(pictures)} frames without any visible pixel")
     pixels, places = montage(pictures)
     views = sum(bool(place.height) for place in places)
-    drawing = PreparedDrawing(image_of(pixels, None), views=views)
+    drawing = prepare(image_of(pixels, None), views=views)
     return FrameAnalysis(analyze(drawing, light, method=method, progress=progress), places)
 
 

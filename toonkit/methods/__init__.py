@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from toonkit._validation import FloatArray, check_callable, of_type, one_of, refuse, same_mask
 from toonkit.analysis import ToonAnalysis
+from toonkit.estimation.enlarged_drawing import EnlargedDrawing
 from toonkit.estimation.light_fit import assume_light
 from toonkit.estimation.preparation import PreparedDrawing, prepare
 from toonkit.methods.classical import classical
@@ -178,9 +179,23 @@ def _analyzed(
     progress: StepProgress | None,
     options: dict[str, Any],
 ) -> ToonAnalysis:
-    """Call a method, and refuse what is no analysis."""
-    analysis: object = METHODS[method](drawing, light, progress=progress, **options)
+    """Call a method, and refuse what is no analysis. An enlarged drawing is analyzed at the size it was painted at."""
+    if isinstance(drawing, EnlargedDrawing):
+        options = {}  # an earlier analysis is as large as the enlarged drawing
+    analysis: object = METHODS[method](drawing.as_painted, light, progress=progress, **options)
     if not isinstance(analysis, ToonAnalysis):
         rule = f"must return a ToonAnalysis, as help(toonkit.methods.Method) shows; {method!r} did not"
         raise refuse("method", rule, type(analysis).__name__)
-    return analysis
+    return _enlarged(analysis, drawing) if isinstance(drawing, EnlargedDrawing) else analysis
+
+
+def _enlarged(analysis: ToonAnalysis, drawing: EnlargedDrawing) -> ToonAnalysis:
+    """Return the analysis of an enlarged drawing from that of the drawing before."""
+    return replace(
+        analysis,
+        image=drawing.image,
+        normals=drawing.enlarge_normals(analysis.normals),
+        initial_normals=drawing.enlarge_normals(analysis.initial_normals),
+        materials=replace(drawing.materials, color_maps=analysis.materials.color_maps),
+        drawing=drawing,
+    )
