@@ -18,7 +18,7 @@ from toonkit import (
     relight,
 )
 from toonkit.estimation import preparation
-from toonkit.estimation.painted_tones import FLAT, MIXING_REACH, PaintedTones
+from toonkit.estimation.painted_tones import FLAT, MIXING_REACH, PaintedTones, decoded
 from toonkit.estimation.preparation import prepare
 from toonkit.model.luminance import srgb_to_linear, tone
 
@@ -135,6 +135,22 @@ def test_plain_tones_are_those_found_pixel_by_pixel(seed):
     assert tones.mixtures.pixels.size
     assert (tones.darkest <= tones.tone).all()
     assert (tones.brightest >= tones.tone).all()
+
+
+def test_seams_beside_an_edge_take_the_tone_of_their_paint():
+    color = np.full((20, 40, 3), 0.8)
+    color[:, 20:] = 0.4
+    color[:, 18], color[:, 19], color[:, 20], color[:, 21] = 0.808, 0.79, 0.408, 0.393
+    beside = np.zeros(color.shape[:2], bool)
+    beside[:, 17:23] = True
+    places = np.nonzero(np.ones(beside.shape, bool))
+    colors = color.reshape(-1, 3)
+    told = PaintedTones.of(colors, *places, beside.ravel())
+    assert np.unique(told.plain.round(6)).tolist() == [0.4, 0.8]
+    assert np.isfinite(told.ordered.sums).all()
+    assert np.array_equal(PaintedTones.of(colors, *places).tone, decoded(colors)[1])
+    ramp = np.tile(np.linspace(0.2, 0.8, 40), (20, 1))[..., None].repeat(3, axis=2).reshape(-1, 3)
+    assert np.array_equal(PaintedTones.of(ramp, *places, np.ones(800, bool)).tone, decoded(ramp)[1])
 
 
 def test_the_light_of_the_darkest_pixels_adds_up():

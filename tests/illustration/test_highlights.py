@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import ndimage
 
+import toonkit
 from tests.illustration.drawings import BLACK, BLUE, GREEN, OVER, RED, Ball, Canvas
 from toonkit import ToonImage
 from toonkit.estimation.preparation import PreparedDrawing, prepare
@@ -148,3 +150,19 @@ def test_pixels_of_materials_that_somebody_named_take_their_paint_from_their_own
     found = label_materials(frame, drawing.ink.coverage, drawing.framed_normals, labels=told)
     assert found.highlights.any()
     np.testing.assert_array_equal(told.ravel()[found.sources[frame.mask]], told[frame.mask])
+
+
+def test_a_seam_around_a_highlight_leaves_no_trace_in_the_shape():
+    canvas = two_balls()
+    canvas.fill(canvas.disc(34, 30, 9), WHITE, 2)
+    drawn = canvas.drawn()
+    plain = prepared(canvas)
+    ring = ndimage.binary_dilation(highlit(plain), iterations=2) & ~highlit(plain) & drawn.mask
+    color = drawn.color.copy()
+    color[ring] = np.clip(color[ring] * np.where((np.nonzero(ring)[0] % 2)[:, None], 0.97, 1.03), 0, 1)
+    clean, seamed = (
+        toonkit.analyze(ToonImage(shown, drawn.mask), (130, 45)).normals.compact
+        for shown in (drawn.color, color)
+    )
+    turned = np.degrees(np.arccos(np.clip((clean * seamed).sum(axis=1), -1, 1)))
+    assert turned[highlit(plain)[drawn.mask]].max() < 5

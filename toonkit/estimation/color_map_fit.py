@@ -164,14 +164,14 @@ def allowed_intervals(drawing: PreparedDrawing, color_maps: Sequence[ColorMap]) 
     """
     Range of illumination (P,) that each pixel allows, given its material's color map.
 
-    It is all of [-1, 1] where that is flat, and under ink, which hides how the paint is lit.
+    It is all of [-1, 1] where that is flat, and under ink and highlights, which hide how the paint is lit.
     """
     lower, upper = np.full(drawing.grid.size, -1.0), np.full(drawing.grid.size, 1.0)
     for material, color_map in zip(drawing.painted_materials, color_maps, strict=True):
         if material.tones is not None:
             allowed = allowed_interval(material.tones, color_map)
             lower[material.pixels], upper[material.pixels] = allowed.lower, allowed.upper
-    lower[drawing.inked], upper[drawing.inked] = -1.0, 1.0
+    lower[drawing.hidden], upper[drawing.hidden] = -1.0, 1.0
     return IlluminationInterval(lower, upper)
 
 
@@ -185,8 +185,8 @@ def painted_intervals(
             own = IlluminationInterval(lower[material.pixels], upper[material.pixels])
             narrow = painted_interval(material.tones, color_map, own)
             lower[material.pixels], upper[material.pixels] = narrow.lower, narrow.upper
-    inked = drawing.inked
-    lower[inked], upper[inked] = allowed.lower[inked], allowed.upper[inked]
+    hidden = drawing.hidden
+    lower[hidden], upper[hidden] = allowed.lower[hidden], allowed.upper[hidden]
     return IlluminationInterval(lower, upper)
 
 

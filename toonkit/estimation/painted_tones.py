@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toonkit._validation import BoolArray, FloatArray
+from toonkit.illustration.neighborhoods import grow_mask
 from toonkit.model.luminance import REC709, linear_to_srgb, srgb_to_linear
 from toonkit.numerics.masked_grid import IndexArray
 from toonkit.numerics.parallel import run_on_chunks, run_on_row_chunks
@@ -17,6 +18,12 @@ FLAT = 2.5 / 255
 
 FLAT_NEIGHBORS = 4
 """Fewest neighbors of its own tone that a pixel of a band has. In a band two pixels wide it is five."""
+
+SEAM, FREQUENT = 3, 4
+"""Steps of an 8-bit channel by which a seam differs at most from its paint, and how many times more pixels that must have."""
+
+EDGE_REACH = 3
+"""Distance from an edge, in pixels, within which it has seams."""
 
 MIXING_REACH = 2
 """An anti-aliased band edge is at most this many pixels away from the bands it mixes."""
@@ -102,10 +109,20 @@ class PaintedTones:
     ordered: OrderedLight
 
     @classmethod
-    def of(cls, colors: FloatArray, rows: IndexArray, columns: IndexArray) -> PaintedTones:
-        """Read the colors (P, 3), sRGB in [0, 1], of pixels at some rows and columns (P,)."""
+    def of(
+        cls, colors: FloatArray, rows: IndexArray, columns: IndexArray, beside: BoolArray | None = None
+    ) -> PaintedTones:
+        """
+        Read the colors (P, 3), sRGB in [0, 1], of pixels at some rows and columns (P,).
+
+        If those beside ink, highlights and other materials are marked, (P,), seams are taken off: from these, and within
+        `EDGE_REACH` pixels of a mixed pixel.
+        """
         light, tone = decoded(colors)
         mixtures = find_mixtures(tone, rows, columns)
+        if beside is not None:
+            near = beside | _near(mixtures.pixels, rows, columns)
+            tone, mixtures = _without_seams(tone, mixtures, near)
         return cls(
             tone, mixtures, _in_order(light, mixtures.replaced(tone, mixtures.nearer), mixtures.pixels)
         )
@@ -155,6 +172,49 @@ def find_mixtures(tone: FloatArray, rows: IndexArray, columns: IndexArray) -> Mi
     pure = np.ones(len(tone), np.bool_)
     pure[mixed] = False
     return Mixtures(mixed, nearer, *_extremes(framed, place, pure, mixed), _noise(framed))
+
+
+def _near(pixels: NDArray[np.intp], rows: IndexArray, columns: IndexArray) -> BoolArray:
+    """Mark which pixels at some rows and columns (P,) lie within `EDGE_REACH` of some of them."""
+    near = np.zeros(len(rows), np.bool_)
+    if pixels.size:
+        marked = np.zeros((rows.max() + 1, columns.max() + 1), np.bool_)
+        marked[rows[pixels], columns[pixels]] = True
+        near = grow_mask(marked, EDGE_REACH)[rows, columns]
+    return near
+
+
+def _without_seams(tone: FloatArray, mixtures: Mixtures, near: BoolArray) -> tuple[FloatArray, Mixtures]:
+    """
+    Give pixels near an edge the tone of the paint that they differ from by a step or two.
+
+    Scaling a picture leaves faint bright and dark seams along its edges, and so does a compressor. In the order of tones
+    they would be the brightest and the darkest of all.
+    """
+    if not near.any():
+        return tone, mixtures
+    level = np.rint(tone * 255).astype(np.intp)
+    counts, levels = np.bincount(level, minlength=256), np.arange(256)
+    usual = levels
+    for step in range(1, SEAM + 1):
+        for other in (np.maximum(levels - step, 0), np.minimum(levels + step, 255)):
+            frequent = (counts[other] > FREQUENT * counts) & (counts[other] > counts[usual])
+            usual = np.where(frequent, other, usual)
+    usual = usual[usual[usual]]  # to one that is no other's seam
+    pure = np.ones(len(tone), np.bool_)
+    pure[mixtures.pixels] = False
+    shown = np.full(256, np.nan)
+    shown[level[pure]] = tone[pure]  # of each level the tone of a pixel that is not mixed
+
+    def settled(values: FloatArray) -> FloatArray:
+        own = np.rint(values * 255).astype(np.intp)
+        moved = (usual[own] != own) & ~np.isnan(shown[usual[own]])
+        return np.where(moved, shown[usual[own]], values)
+
+    tone = tone.copy()
+    tone[near] = settled(tone[near])
+    bands = (settled(values) for values in (mixtures.nearer, mixtures.darkest, mixtures.brightest))
+    return tone, Mixtures(mixtures.pixels, *bands, mixtures.noise)
 
 
 def _in_order(light: FloatArray, plain: FloatArray, mixed: NDArray[np.intp]) -> OrderedLight:

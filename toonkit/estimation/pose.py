@@ -24,21 +24,21 @@ class Pose:
         The parts of the object that do not touch.
     materials : tuple of PaintedMaterial
         The tones of each material.
-    inked : ndarray of bool, shape (P,)
-        Where ink covers the paint.
+    hidden : ndarray of bool, shape (P,)
+        Where ink or a highlight covers the paint.
     labels : ndarray of int, shape (P,)
         Numbers of the materials.
     """
 
     islands: tuple[Island, ...]
     materials: tuple[PaintedMaterial, ...]
-    inked: BoolArray
+    hidden: BoolArray
     labels: IndexArray
 
     @cached_property
     def gray(self) -> GrayPaint:
         """The shading that the paint shows, whatever its material."""
-        return gray_paint(self.materials, self.islands, self.inked)
+        return gray_paint(self.materials, self.islands, self.hidden)
 
     @cached_property
     def reduced_paint(self) -> tuple[ReducedPaint, ...]:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from toonkit._validation import BoolArray, FloatArray, as_labels, as_lines, as_marks, of_type, refuse
 from toonkit.estimation.inflation import inflate_islands
 from toonkit.estimation.islands import MOST, Island, find_islands, with_surroundings
-from toonkit.estimation.painted_tones import PaintedTones
+from toonkit.estimation.painted_tones import EDGE_REACH, PaintedTones
 from toonkit.estimation.pose import Pose
 from toonkit.estimation.shading_ratio import PaintedMaterial
 from toonkit.estimation.turn import turn_under_light
@@ -21,6 +21,7 @@ from toonkit.illustration.frame import Frame
 from toonkit.illustration.ink import Ink, find_ink, unmix_known_ink
 from toonkit.illustration.materials import FoundMaterials, label_materials, shows_one_ramp
 from toonkit.illustration.mixed_pixels import MixedPixels, mixtures
+from toonkit.illustration.neighborhoods import grow_mask
 from toonkit.illustration.noise import remove_noise
 from toonkit.illustration.palette import is_pixel_art
 from toonkit.model.color_map import IlluminationInterval
@@ -180,6 +181,12 @@ class PreparedDrawing:
         """Which of the object's pixels ink covers at least in part, shape (P,)."""
         return self.frame.compact(self.ink.coverage) > 0
 
+    @cached_property
+    def hidden(self) -> BoolArray:
+        """Where ink or a highlight hides how the object's paint is lit, shape (P,)."""
+        hidden: BoolArray = self.inked | self.frame.compact(self._found.highlights)
+        return hidden
+
     @property
     def ink_coverage(self) -> FloatArray:
         """Ink coverage of each pixel, 0 to 1, shape (H, W); 0 outside the mask."""
@@ -228,6 +235,13 @@ class PreparedDrawing:
         return PaintedTones.of(self.paint, self.grid.rows, self.grid.columns)
 
     @cached_property
+    def _beside_edges(self) -> BoolArray:
+        """Which of the object's pixels lie near ink, a highlight or another material, shape (P,)."""
+        marked = np.zeros(self.frame.mask.shape, np.bool_)
+        marked.ravel()[np.flatnonzero(self.frame.mask)[self.mixed.pixels]] = True
+        return self.frame.compact(grow_mask(marked, EDGE_REACH))
+
+    @cached_property
     def painted_materials(self) -> tuple[PaintedMaterial, ...]:
         """The tones of each material."""
         found = self._found
@@ -237,7 +251,7 @@ class PreparedDrawing:
         for number, flat in enumerate(found.flat):
             pixels = np.flatnonzero(labels == number).astype(np.int32)
             place = self.grid.rows[pixels], self.grid.columns[pixels]
-            tones = None if flat else PaintedTones.of(self.paint[pixels], *place)
+            tones = None if flat else PaintedTones.of(self.paint[pixels], *place, self._beside_edges[pixels])
             materials.append(PaintedMaterial(pixels, tones))
         return tuple(materials)
 
@@ -257,7 +271,7 @@ class PreparedDrawing:
             for island, turned in zip(self.islands, islands, strict=True):
                 if turned is not island:  # no solver asks for it again as it is drawn
                     island.grid.release()
-            pose = self._pose = Pose(islands, self.painted_materials, self.inked, labels)
+            pose = self._pose = Pose(islands, self.painted_materials, self.hidden, labels)
         return pose
 
     def release(self) -> None:

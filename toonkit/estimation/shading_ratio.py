@@ -50,7 +50,7 @@ class GrayPaint:
     tone : ndarray, shape (P,)
         Its tone, plain.
     hidden : ndarray of bool, shape (P,)
-        Where nothing shows, under ink and on flat materials; light and tone are there those of the nearest pixel of the same
+        Where nothing shows, under ink and highlights and on flat materials; light and tone are there those of the nearest pixel of the same
         island that shows some.
     """
 
@@ -60,7 +60,7 @@ class GrayPaint:
 
 
 def gray_paint(
-    materials: Sequence[PaintedMaterial], islands: Sequence[Island], inked: BoolArray
+    materials: Sequence[PaintedMaterial], islands: Sequence[Island], covered: BoolArray
 ) -> GrayPaint:
     """
     Divide the colors of each material by its brightest tone.
@@ -71,8 +71,8 @@ def gray_paint(
         All of a drawing.
     islands : sequence of Island
         All parts of the object.
-    inked : ndarray of bool, shape (P,)
-        Where ink covers the paint.
+    covered : ndarray of bool, shape (P,)
+        Where ink or a highlight covers the paint.
 
     Returns
     -------
@@ -81,8 +81,8 @@ def gray_paint(
     """
     if len(materials) == 1 and materials[0].tones is not None:
         tones = materials[0].tones
-        return GrayPaint(srgb_to_linear(tones.tone), tones.plain, inked)
-    gray, told = np.full(len(inked), LIT), np.zeros(len(inked), np.bool_)
+        return GrayPaint(srgb_to_linear(tones.tone), tones.plain, covered)
+    gray, told = np.full(len(covered), LIT), np.zeros(len(covered), np.bool_)
     for material in materials:
         if material.tones is None:
             continue
@@ -92,7 +92,7 @@ def gray_paint(
         shown = told[island.pixels]
         if shown.any() and not shown.all():
             gray[island.pixels] = _nearest(gray[island.pixels], shown, island.grid)
-    return GrayPaint(gray, np.asarray(linear_to_srgb(gray)), inked | ~told)
+    return GrayPaint(gray, np.asarray(linear_to_srgb(gray)), covered | ~told)
 
 
 def relative_shade(shade: FloatArray) -> FloatArray:

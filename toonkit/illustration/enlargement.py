@@ -13,8 +13,9 @@ from toonkit._validation import FloatArray
 from toonkit.model.image import ToonImage
 from toonkit.numerics.masked_grid import Box, bounding_box
 
-FEWEST_BLOCKS = 8
-"""Least blocks along either side of an enlarged object. A figure of fewer is a drawing of rectangles."""
+FEWEST_BLOCKS = 16
+"""Least blocks along either side of an enlarged object. A figure of fewer may be a drawing of rectangles, and its smallest
+parts would be lost: they are seen from four pixels on."""
 
 FEWEST_EDGES = 0.5
 """Least share of the lines between blocks along which colors change somewhere."""
@@ -76,9 +77,9 @@ def find_enlargement(image: ToonImage) -> Enlargement | None:
 
     Examples
     --------
-    >>> color = np.random.default_rng(0).random((9, 9, 3))
+    >>> color = np.random.default_rng(0).random((16, 16, 3))
     >>> large = color.repeat(4, axis=0).repeat(4, axis=1)
-    >>> find_enlargement(ToonImage(large, np.ones((36, 36), bool))).factor
+    >>> find_enlargement(ToonImage(large, np.ones((64, 64), bool))).factor
     4
     """
     place = bounding_box(image.alpha > 0)

@@ -34,6 +34,9 @@ TONE_SHARE = 0.01
 STRAY_SHARE = 0.1
 """Share of a material below which a tone is rare in it."""
 
+SEAM = 0.05
+"""OKLab distance of a seam from its paint, at most."""
+
 DETAIL = 0.002
 """Share of the object up to which a material is a detail, such as an eye or a button. It is too small to reveal
 the direction of the light."""
@@ -211,6 +214,12 @@ def _under_highlights(
     lit = frame.mask & lit.ravel()[source]
     lit |= ~unmixed & frame.mask & grow_mask(lit, REACH)
     around = find_nearest_sources(unmixed & ~lit & frame.mask, frame.lab, lit)
+    # Scaling leaves seams beside a highlight. Behind them the paint is clean.
+    beside = frame.mask & grow_mask(lit, REACH)
+    behind = find_nearest_sources(unmixed & ~beside & frame.mask, frame.lab, beside)
+    lab = frame.lab.reshape(-1, 3)
+    alike = (behind >= 0) & (np.linalg.norm(lab[behind] - lab[around], axis=-1) < SEAM)
+    around = np.where(alike, behind, around)
     return lit, np.where(lit & (around >= 0), around, pure)
 
 
