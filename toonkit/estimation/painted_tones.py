@@ -203,18 +203,18 @@ def _without_seams(tone: FloatArray, mixtures: Mixtures, near: BoolArray) -> tup
     usual = usual[usual[usual]]  # to one that is no other's seam
     pure = np.ones(len(tone), np.bool_)
     pure[mixtures.pixels] = False
-    shown = np.full(256, np.nan)
-    shown[level[pure]] = tone[pure]  # of each level the tone of a pixel that is not mixed
+    shown = np.full(256, np.inf)
+    np.minimum.at(shown, level[pure], tone[pure])  # that of any pixel would depend on their order
 
     def settled(values: FloatArray) -> FloatArray:
         own = np.rint(values * 255).astype(np.intp)
-        moved = (usual[own] != own) & ~np.isnan(shown[usual[own]])
+        moved = (usual[own] != own) & np.isfinite(shown[usual[own]])
         return np.where(moved, shown[usual[own]], values)
 
     tone = tone.copy()
     tone[near] = settled(tone[near])
-    bands = (settled(values) for values in (mixtures.nearer, mixtures.darkest, mixtures.brightest))
-    return tone, Mixtures(mixtures.pixels, *bands, mixtures.noise)
+    nearer, darkest, brightest = map(settled, (mixtures.nearer, mixtures.darkest, mixtures.brightest))
+    return tone, Mixtures(mixtures.pixels, nearer, darkest, brightest, mixtures.noise)
 
 
 def _in_order(light: FloatArray, plain: FloatArray, mixed: NDArray[np.intp]) -> OrderedLight:
