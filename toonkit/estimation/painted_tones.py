@@ -20,7 +20,7 @@ FLAT_NEIGHBORS = 4
 """Fewest neighbors of its own tone that a pixel of a band has. In a band two pixels wide it is five."""
 
 SEAM, FREQUENT = 3, 4
-"""Steps of an 8-bit channel by which a seam differs at most from its paint, and how many times more pixels that must have."""
+"""Most steps of an 8-bit channel by which a seam differs from its paint, and how many times more pixels that must have."""
 
 EDGE_REACH = 3
 """Distance from an edge, in pixels, within which it has seams."""
