@@ -29,6 +29,9 @@ DETAIL_SIZE = 0.1
 HIGHLIGHT_RANGE = 0.2
 """Change of illumination over which a highlight fades."""
 
+LEAST_BASE = 0.05
+"""Smallest sRGB channel of a base color that shades are relative to."""
+
 FULL_TURN = np.deg2rad(12.0)
 """Light rotation, in radians, beyond which flat materials show their full derived shading."""
 
@@ -101,12 +104,12 @@ def relight(
     the light has turned by about half a tone. A large detail is a band edge that the model places beside the painted one. It
     disappears as soon as the light moves, because it would remain as a scratch where the edge was.
 
-    A flat material of color b becomes c' = c + g (M(I') - b). The factor g grows from 0 to `flat_shading` as the light
-    turns by `FULL_TURN`, so that shadows come in gradually. Recolored materials (`ToonAnalysis.recolored`) are first
-    painted with their new color maps under the drawing's light. Pixels that the object covers in part change as the nearest
-    object pixel does. Line art stays as drawn. Where it covers a pixel in part, the rest of the pixel changes, and so
-    do pixels that two materials share. A highlight moves with the paint beneath it and fades as w does for a small d,
-    with r = `HIGHLIGHT_RANGE`.
+    A flat material of color b becomes c' = c (1 + g (M(I') - b) / max(b, 0.05)), channel by channel, so that its pattern is
+    shaded with it. The factor g grows from 0 to `flat_shading` as the light turns by `FULL_TURN`, so that shadows come in
+    gradually. Recolored materials (`ToonAnalysis.recolored`) are first painted with their new color maps under the
+    drawing's light. Pixels that the object covers in part change as the nearest object pixel does. Line art stays as drawn.
+    Where it covers a pixel in part, the rest of the pixel changes, and so do pixels that two materials share. A highlight
+    moves with the paint beneath it and fades as w does for a small d, with r = `HIGHLIGHT_RANGE`.
 
     With a palette each pixel takes the color of its material's ramp that is nearest to c', in sRGB. Edges are hard: a
     pixel is ink, a highlight or paint, never a mixture. Ink stays as drawn, and so do pixels in a color that the ramp
@@ -325,9 +328,9 @@ def _paint(  # type: ignore[no-untyped-def]
         red, green, blue = _mapped(ramp, low, high, now)
         if flat[which]:
             start = painted[pixel] if keep_detail else base[which]
-            red = min(max(start[0] + strength * (red - base[which, 0]), 0.0), 1.0)
-            green = min(max(start[1] + strength * (green - base[which, 1]), 0.0), 1.0)
-            blue = min(max(start[2] + strength * (blue - base[which, 2]), 0.0), 1.0)
+            red = _shaded(start[0], base[which, 0], red, strength)
+            green = _shaded(start[1], base[which, 1], green, strength)
+            blue = _shaded(start[2], base[which, 2], blue, strength)
         elif keep_detail and abs(now - was) < 2.0 * DETAIL_RANGE:  # beyond this change the weight is zero
             was_red, was_green, was_blue = _mapped(ramp, low, high, was)
             more_red = painted[pixel, 0] - was_red
@@ -339,6 +342,12 @@ def _paint(  # type: ignore[no-untyped-def]
                 green = min(max(green + kept * more_green, 0.0), 1.0)
                 blue = min(max(blue + kept * more_blue, 0.0), 1.0)
         color[pixel, 0], color[pixel, 1], color[pixel, 2] = red, green, blue
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _shaded(painted, base, shade, strength):  # type: ignore[no-untyped-def]
+    """Return a channel of a flat material, painted with more than its base color, where that changes to a shade of it."""
+    return min(max(painted * (1.0 + strength * (shade - base) / max(base, LEAST_BASE)), 0.0), 1.0)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -12,12 +12,14 @@ from dataclasses import dataclass
 from itertools import combinations_with_replacement
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage
 
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.illustration.facing import Facing
 from toonkit.illustration.filling import Labels, find_nearest_sources
 from toonkit.illustration.frame import Frame
+from toonkit.illustration.gradients import join_gradients
 from toonkit.illustration.highlights import find_highlights, find_named_highlights
 from toonkit.illustration.ink import PAINT
 from toonkit.illustration.mixed_pixels import REACH
@@ -59,7 +61,7 @@ class FoundMaterials:
     tones : tuple of ndarray, shape (k, 3)
         For each material its colors, sRGB in [0, 1], darkest first, without those of highlights.
     flat : ndarray of bool, shape (count,)
-        True for materials treated as unshaded: one tone only, or smaller than `DETAIL`.
+        True for materials treated as unshaded: of one tone, smaller than `DETAIL`, or painted in a gradient of hues.
     """
 
     labels: Labels
@@ -99,7 +101,8 @@ def label_materials(
         The materials found; never empty.
     """
     zones, tones, facing = read_tones(frame, coverage, normals)
-    known, lit = _renumber(tones, join_tones(tones, facing))
+    group, painted = join_gradients(tones, zones, join_tones(tones, facing))
+    known, lit = _renumber(tones, group)
     told = np.full_like(known, -1)
     if labels is not None:
         told[frame.mask] = labels[frame.mask]
@@ -120,6 +123,7 @@ def label_materials(
     colors = _colors(frame, tones, whole, (known >= 0) & ~lit & (zones.sources == own))
     area = np.bincount(whole[whole >= 0], minlength=len(colors))
     flat = np.array([len(shades) == 1 for shades in colors]) | (area < DETAIL * area.sum())
+    flat |= _mostly(painted[tones.labels] & (tones.labels >= 0), whole, area)
     return FoundMaterials(whole, np.where(alone, own, pure), lit, colors, flat)
 
 
@@ -172,6 +176,12 @@ def _mostly_highlight(lit: BoolArray, told: Labels) -> BoolArray:
     area = np.bincount(told[named])
     mostly = 2 * np.bincount(told[named & lit], minlength=len(area)) > area
     return named & np.asarray(mostly[told])
+
+
+def _mostly(marked: BoolArray, labels: Labels, area: NDArray[np.intp]) -> BoolArray:
+    """Tell of which materials more than half of the pixels are marked, shape (count,)."""
+    own = np.bincount(labels[marked & (labels >= 0)], minlength=len(area))
+    return np.asarray(2 * own > area)
 
 
 def _strays(tones: Tones, told: Labels) -> BoolArray:

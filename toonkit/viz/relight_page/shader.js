@@ -1,8 +1,8 @@
 // The shader of the relight view: one picture painted under a new light.
 //
 // c' = M(L'·N) + w d,  d = c - M(L·N),  w = (1 - t²)⁴ for t² < 1,  t = (L'·N - L·N) (1 + |d|² / size²) / (2 range);
-// w = 0 without detail. A flat material of color b: c' = c + s (M(L'·N) - b), from b instead of c without detail. Mixed
-// pixels change by their shares of what their two sources do (toonkit/relighting.py). With a palette, c' is rounded to the
+// w = 0 without detail. A flat material of color b: c' = c (1 + s (M(L'·N) - b) / b), from b instead of c without detail.
+// Mixed pixels change by their shares of what their two sources do (toonkit/relighting.py). With a palette, c' is rounded to the
 // ramp of its material (toonkit/illustration/palette.py). A recolored material with the map M' is first painted with it under
 // the drawing's light: c := M'(L·N) + k d (toonkit/illustration/recoloring.py), then relit as any other. Colored and ambient light come on top of it: c'' = e -
 // (1 - color) max(e - shadow, 0), e = c' + ambient max(lit tone - c', 0), in linear light (toonkit/illustration/light_color.py).
@@ -13,6 +13,7 @@ const MIXTURES_WIDE = 1024  // as in textures.py
 
 const RAMP_SAMPLES = 1024  // of the map of a recolored material, as in toonkit/model/tone_ramp.py
 const RAMP_HEAD = 2  // texels before them
+const LEAST_BASE = 0.05  // as in toonkit/relighting.py
 const TEXTURE = 0.15  // as in toonkit/illustration/recoloring.py
 
 const VERTEX = `#version 300 es
@@ -83,7 +84,7 @@ vec3 relit(vec3 color, vec2 p, int material) {
   }
 #endif
   if (isFlat) {
-    changed = (u_detail ? color : base) + u_flat * (changed - base);
+    changed = (u_detail ? color : base) * (1.0 + u_flat * (changed - base) / max(base, ${LEAST_BASE}));
   } else if (u_detail) {
     vec3 detail = color - drawn;
     float turn = (after - before) * (1.0 + dot(detail, detail) / (u_size * u_size)) / (2.0 * u_range);

@@ -1,0 +1,76 @@
+"""Gradients between paints: where one material is painted with several hues that run into each other."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import ndimage
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from toonkit._validation import BoolArray, FloatArray
+from toonkit.illustration.ramps import Groups
+from toonkit.illustration.tones import Tones
+from toonkit.illustration.zones import SAME, Zones
+
+SURROUNDINGS = 25
+"""Width of the window in which the change of the paint is measured, in pixels."""
+
+STEEPER = 1.6
+"""Change at a border relative to that around it, above which it is an edge, however blurred."""
+
+SMOOTH = 0.7
+"""Least share of a border between two groups of tones that is no edge."""
+
+LEAST, COMPARABLE = 0.01, 0.2
+"""Least area of a group relative to the paint, and to the other group: a blush does not make a gradient of a cheek."""
+
+
+def join_gradients(tones: Tones, zones: Zones, group: Groups) -> tuple[Groups, BoolArray]:
+    """
+    Join the groups of tones that run into each other.
+
+    No ramp explains their colors, or they would be one group. So their hue is painted on and is no shading.
+
+    Parameters
+    ----------
+    tones : Tones
+        The tones of the paint.
+    zones : Zones
+        Its zones.
+    group : ndarray of int, shape (n,)
+        The label of each tone.
+
+    Returns
+    -------
+    group : ndarray of int, shape (n,)
+        Labels with such groups joined.
+    painted : ndarray of bool, shape (n,)
+        The tones of these groups.
+    """
+    names, which = np.unique(group, return_inverse=True)
+    count = len(names)
+    area = np.bincount(which, tones.area, count)
+    border, smooth = _borders(zones, np.where(tones.labels >= 0, which[tones.labels], -1), count)
+    smaller, larger = np.minimum(area[:, None], area), np.maximum(area[:, None], area)
+    joined = (smooth > SMOOTH * border) & (smooth > np.sqrt(smaller))
+    joined &= (smaller > LEAST * area.sum()) & (smaller > COMPARABLE * larger)
+    _, part = connected_components(coo_array(joined), directed=False)
+    painted = np.bincount(part)[part] > 1
+    return names[np.unique(part, return_index=True)[1]][part][which], painted[which]
+
+
+def _borders(zones: Zones, labels: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
+    """Count the pairs of neighboring pixels in each two groups (h, w), and those between which the paint has no edge."""
+    border, smooth = np.zeros((2, count, count))
+    for axis in (0, 1):
+        lab, zone, group = (np.moveaxis(values, axis, 0) for values in (zones.lab, zones.labels, labels))
+        change = np.linalg.norm(lab[1:] - lab[:-1], axis=-1)
+        inside = (zone[1:] == zone[:-1]) & (zone[1:] >= 0)
+        around = ndimage.uniform_filter(np.where(inside, change, 0.0), SURROUNDINGS)
+        around /= np.maximum(ndimage.uniform_filter(inside.astype(np.float64), SURROUNDINGS), 1e-9)
+        no_edge = inside & ((change < SAME) | (change < STEEPER * around))
+        meet = (group[1:] != group[:-1]) & (group[1:] >= 0) & (group[:-1] >= 0)
+        pair = group[1:][meet] * count + group[:-1][meet]
+        border += np.bincount(pair, minlength=count**2).reshape(count, count)
+        smooth += np.bincount(pair, no_edge[meet], count**2).reshape(count, count)
+    return border + border.T, smooth + smooth.T
