@@ -5,7 +5,7 @@ import pytest
 
 import toonkit
 from tests.pixel_art import LIGHT, sprite
-from toonkit import ToonAnalysis, ToonImage
+from toonkit import NormalHint, ShapeCorrections, ToonAnalysis, ToonImage
 from toonkit.illustration.enlargement import find_enlargement
 
 FACTOR, PLACE = 3, (slice(5, 5 + 3 * 48), slice(7, 7 + 3 * 48))
@@ -61,6 +61,22 @@ def test_corrected_materials_and_another_light_keep_whole_blocks(small, large):
     turned = np.abs(both.normals.vectors[PLACE] - blocks(again.normals.vectors))
     assert np.nanmax(turned) < 0.05  # the small one started from its earlier normals
     assert np.array_equal(both.materials.labels[PLACE], blocks(again.materials.labels))
+
+
+def test_corrections_of_the_shape_are_those_of_the_drawing_before(small, large):
+    disc = np.hypot(*(np.indices(small.image.shape) - 24)) < 9
+    whole = np.zeros(large.image.shape, bool)
+    whole[PLACE] = blocks(disc)
+    whole[PLACE][0::FACTOR] = False  # a stroke is finer than the blocks
+    hint = NormalHint(20, 30, (0.8, 0, 0.6), radius=6)
+    larger = NormalHint(5 + 3 * 20 + 2, 7 + 3 * 30, (0.8, 0, 0.6), radius=18)
+    one = toonkit.analyze(small.drawing, LIGHT, shape=ShapeCorrections(bulge=disc, normals=[hint]))
+    other = toonkit.analyze(large.drawing, LIGHT, shape=ShapeCorrections(bulge=whole, normals=[larger]))
+    assert np.array_equal(other.normals.vectors[PLACE], blocks(one.normals.vectors), equal_nan=True)
+    plain = toonkit.analyze(small.drawing, LIGHT)
+    assert toonkit.angular_error(one.normals, plain.normals).map[disc].mean() > 5
+    back = toonkit.analyze(other.drawing, LIGHT, shape=ShapeCorrections())
+    assert np.array_equal(back.normals.vectors[PLACE], blocks(plain.normals.vectors), equal_nan=True)
 
 
 def test_marks_finer_than_a_block_are_kept_as_they_are(large):

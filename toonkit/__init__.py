@@ -43,6 +43,7 @@ from toonkit.model.materials import Materials
 from toonkit.model.normal_map_loading import read_normal_map
 from toonkit.model.normals import NormalField
 from toonkit.model.shading import illumination, shade
+from toonkit.model.shape_corrections import NormalHint, ShapeCorrections
 from toonkit.model.tone_ramp import ToneRamp
 from toonkit.numerics.report import SolverReport
 from toonkit.relighting import relight
@@ -61,8 +62,10 @@ __all__ = [
     "LightEstimate",
     "Materials",
     "NormalField",
+    "NormalHint",
     "Refinement",
     "RefinementOptions",
+    "ShapeCorrections",
     "SolverReport",
     "ToneRamp",
     "ToonAnalysis",

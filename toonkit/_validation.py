@@ -41,6 +41,8 @@ SOURCES = {
     "IlluminationInterval": "toonkit.illumination_interval(image, color_map)",
     "RefinementOptions": "toonkit.RefinementOptions(margin=0.1)",
     "HeightField": "toonkit.height_map(normals)",
+    "NormalHint": "toonkit.NormalHint(row, column, normal, radius)",
+    "ShapeCorrections": "toonkit.ShapeCorrections(bulge=mask)",
 }
 """What to pass where an object of a class is wanted and something else came."""
 

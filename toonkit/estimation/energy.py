@@ -146,6 +146,7 @@ def change_energy(
     options: RefinementOptions,
     *,
     painted: IlluminationInterval | None = None,
+    hold: FloatArray | None = None,
 ) -> ChangeEnergy:
     """
     Build our energy, whose lengths are relative to the object.
@@ -167,6 +168,9 @@ def change_energy(
     painted : IlluminationInterval, optional
         Range that each color allows by itself, without the range of mixed pixels; `allowed` by default. If the ranges
         of neighbors are apart, there is an edge.
+    hold : ndarray, shape (P,), optional
+        How firmly normals are held to N0 because a person asks for them, relative to the weight of a painted color; not at
+        all by default. It needs a `change_length` above 0.
 
     Returns
     -------
@@ -184,6 +188,8 @@ def change_energy(
     size = float(np.sqrt(grid.size))
     ties = options.rim_hold * block_sums(silhouette.pixels, 1.0 / silhouette.distances, grid.size)
     ties += 1.0 / (options.change_reach * size) ** 2
+    if hold is not None:
+        ties += hold / (options.change_length * size) ** 2
     return ChangeEnergy(
         grid=grid,
         start=initial.astype(STORED),

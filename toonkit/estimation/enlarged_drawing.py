@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,7 @@ from toonkit.illustration.materials import FoundMaterials
 from toonkit.illustration.mixed_pixels import MixedPixels
 from toonkit.model.image import ToonImage
 from toonkit.model.normals import NormalField
+from toonkit.model.shape_corrections import ShapeCorrections
 from toonkit.model.whole_pixels import pixels_at, put_pixels
 
 
@@ -30,8 +31,9 @@ class EnlargedDrawing(PreparedDrawing):
         The drawing.
     enlargement : Enlargement
         How it was enlarged.
-    materials, ink, highlights, views
-        As for `PreparedDrawing`; what is given is the same throughout each block.
+    materials, ink, highlights, shape, views
+        As for `PreparedDrawing`. Materials, ink and highlights are the same throughout each block; of the shape counts
+        what is said of the middle of a block.
 
     Attributes
     ----------
@@ -47,13 +49,16 @@ class EnlargedDrawing(PreparedDrawing):
         *,
         ink: ArrayLike | None = None,
         highlights: ArrayLike | None = None,
+        shape: ShapeCorrections | None = None,
         views: int = 1,
     ) -> None:
-        super().__init__(image, materials, ink=ink, highlights=highlights, views=views)
+        super().__init__(image, materials, ink=ink, highlights=highlights, shape=shape, views=views)
         self._enlargement = enlargement
         given = (self._given_labels, self.given_ink, self.given_highlights)
         labels, lines, marks = (None if told is None else enlargement.reduce(told) for told in given)
-        self.reduced = PreparedDrawing(enlargement.image, labels, ink=lines, highlights=marks, views=views)
+        self.reduced = PreparedDrawing(
+            enlargement.image, labels, ink=lines, highlights=marks, shape=self._reduced_shape(), views=views
+        )
 
     @classmethod
     def of(cls, drawing: PreparedDrawing, enlargement: Enlargement) -> PreparedDrawing:
@@ -62,7 +67,15 @@ class EnlargedDrawing(PreparedDrawing):
         if any(told is not None and enlargement.reduce(told) is None for told in given):
             return drawing
         labels, ink, highlights = given
-        return cls(drawing.image, enlargement, labels, ink=ink, highlights=highlights, views=drawing.views)
+        return cls(
+            drawing.image,
+            enlargement,
+            labels,
+            ink=ink,
+            highlights=highlights,
+            shape=drawing.given_shape,
+            views=drawing.views,
+        )
 
     @property
     def as_painted(self) -> PreparedDrawing:
@@ -77,6 +90,31 @@ class EnlargedDrawing(PreparedDrawing):
     ) -> PreparedDrawing:
         """Return the drawing with other materials, ink or highlights."""
         return self.of(super().told(materials, ink, highlights), self._enlargement)
+
+    def reshaped(self, shape: ShapeCorrections) -> Self:
+        """Return the drawing with other corrections of its shape."""
+        other = super().reshaped(shape)
+        other.reduced = self.reduced.reshaped(other._reduced_shape())
+        return other
+
+    def _reduced_shape(self) -> ShapeCorrections:
+        """Return the corrections of the shape as those of the drawing before."""
+        given, factor = self.given_shape, self._enlargement.factor
+        if given is None:
+            return ShapeCorrections()
+        rows, columns = self._enlargement.place
+        middles = slice(factor // 2, None, factor)
+        normals = [
+            replace(
+                hint,
+                row=(hint.row - rows.start) // factor,
+                column=(hint.column - columns.start) // factor,
+                radius=hint.radius / factor,
+            )
+            for hint in given.normals
+        ]
+        parts = {name: part[rows, columns][middles, middles] for name, part in given.parts.items()}
+        return ShapeCorrections(**parts, normals=tuple(normals))
 
     def enlarge_normals(self, normals: NormalField) -> NormalField:
         """Return the normals of the drawing before as normals of this one."""

@@ -128,7 +128,7 @@ def estimate_light(
     shades = gray.tone[shaded]
     if shades.size == 0 or float(np.var(shades)) < 1e-10:
         return LightEstimate(light_direction(0.0, 90.0), 0.0)
-    normals = drawing.initial_normals if initial_normals is None else initial_normals
+    normals = drawing.inflated_normals if initial_normals is None else initial_normals
     with single_threaded_blas():
         belief = sharpen(believed_light(drawing, normals), drawing, normals)
         azimuth = np.rad2deg(np.arctan2(belief.light[1], belief.light[0]))

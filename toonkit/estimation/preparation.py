@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from toonkit._validation import BoolArray, FloatArray, as_labels, as_lines, as_marks, of_type, refuse
+from toonkit.estimation.corrected_shape import CorrectedNormals, correct_normals
 from toonkit.estimation.inflation import inflate_islands
 from toonkit.estimation.islands import MOST, Island, find_islands, with_surroundings
 from toonkit.estimation.painted_tones import EDGE_REACH, PaintedTones
@@ -30,6 +32,7 @@ from toonkit.model.image import ToonImage
 from toonkit.model.luminance import REC709
 from toonkit.model.materials import Materials
 from toonkit.model.normals import NormalField
+from toonkit.model.shape_corrections import ShapeCorrections
 from toonkit.model.whole_pixels import put_pixels
 from toonkit.numerics.masked_grid import MaskedGrid, bounding_box
 
@@ -40,7 +43,7 @@ TELLING, TELLING_SHARE = 4, 0.25
 """Islands from which the light is estimated, at most, and the least area of one relative to the largest."""
 
 WHATEVER_IS_TOLD = (
-    "grid", "islands", "telling_islands", "_moments", "frame", "is_pixel_art", "initial_normals"
+    "grid", "islands", "telling_islands", "_moments", "frame", "is_pixel_art", "inflated_normals"
 )  # fmt: skip
 """Parts of a prepared drawing that depend on its picture alone."""
 
@@ -65,6 +68,8 @@ class PreparedDrawing:
         Its materials, if they are known: see `prepare`.
     ink, highlights : array_like of bool, shape (H, W), optional
         Its lines and its highlights, if they are known: see `prepare`.
+    shape : ShapeCorrections, optional
+        What a person says about its shape.
     views : int, optional
         How often it shows the object side by side. Lines are as wide as in one view, and all views have the same materials.
 
@@ -72,11 +77,13 @@ class PreparedDrawing:
     ----------
     given_ink, given_highlights : ndarray of bool, shape (H, W), or None
         The lines and the highlights that were given, False outside the mask.
+    given_shape : ShapeCorrections or None
+        The corrections of the shape, if there are any.
 
     Raises
     ------
     ToonkitError
-        If the object has more than `MOST_PIXELS` pixels, or the materials, the ink or the highlights are not valid.
+        If the object has more than `MOST_PIXELS` pixels, or the materials, ink, highlights or shape are not valid.
     """
 
     def __init__(
@@ -86,6 +93,7 @@ class PreparedDrawing:
         *,
         ink: ArrayLike | None = None,
         highlights: ArrayLike | None = None,
+        shape: ShapeCorrections | None = None,
         views: int = 1,
     ) -> None:
         pixels = int(np.count_nonzero(image.mask))
@@ -101,6 +109,7 @@ class PreparedDrawing:
         self._given_labels = None if materials is None else as_labels("materials", materials, image.mask)
         self.given_ink = None if ink is None else as_lines("ink", ink, image.mask)
         self.given_highlights = None if highlights is None else as_marks("highlights", highlights, image.mask)
+        self.given_shape = None if shape is None or shape.is_empty else shape.on(image.mask)
         self._pose: Pose | None = None
 
     def __repr__(self) -> str:
@@ -118,11 +127,19 @@ class PreparedDrawing:
             self._given_labels if materials is None else materials,
             ink=self.given_ink if ink is None else ink,
             highlights=self.given_highlights if highlights is None else highlights,
+            shape=self.given_shape,
             views=self.views,
         )
         for name in (*WHATEVER_IS_TOLD, *(WHATEVER_MATERIALS if ink is None else ())):
             if name in self.__dict__:
                 other.__dict__[name] = self.__dict__[name]
+        return other
+
+    def reshaped(self, shape: ShapeCorrections) -> Self:
+        """Return the drawing with other corrections of its shape, which shares everything but the initial normals."""
+        other = copy(self)
+        other.given_shape = None if shape.is_empty else shape.on(self.mask)
+        other.__dict__.pop("initial_normals", None)
         return other
 
     @property
@@ -256,9 +273,23 @@ class PreparedDrawing:
         return tuple(materials)
 
     @cached_property
-    def initial_normals(self) -> NormalField:
-        """N0, inflated from the silhouette."""
+    def inflated_normals(self) -> NormalField:
+        """The normals inflated from the silhouette, without corrections."""
         return NormalField.of_pixels(inflate_islands(self.islands), self.image.mask)
+
+    @cached_property
+    def initial_normals(self) -> NormalField:
+        """N0: inflated from the silhouette, with the corrections of the shape."""
+        corrected = self.corrected(self.inflated_normals)
+        if corrected is None:
+            return self.inflated_normals
+        return NormalField.of_pixels(corrected.vectors, self.image.mask)
+
+    def corrected(self, normals: NormalField) -> CorrectedNormals | None:
+        """Return normals with the corrections of the shape; None if there are none."""
+        if self.given_shape is None:
+            return None
+        return correct_normals(self.given_shape, self.grid, self.box, normals.compact)
 
     def posed(self, light: FloatArray | None = None) -> Pose:
         """Turn each island so that its light comes from above; without a light, what is bright comes to lie there."""
@@ -312,9 +343,9 @@ class PreparedDrawing:
 
     @property
     def framed_normals(self) -> FloatArray:
-        """N0 on the frame, shape (h, w, 3)."""
+        """The inflated normals on the frame, shape (h, w, 3)."""
         vectors = np.zeros((*self.frame.mask.shape, 3))
-        put_pixels(vectors, self.frame.mask, self.initial_normals.compact)
+        put_pixels(vectors, self.frame.mask, self.inflated_normals.compact)
         return vectors
 
     @cached_property
@@ -337,6 +368,7 @@ def prepare(
     materials: ArrayLike | Materials | None = None,
     ink: ArrayLike | None = None,
     highlights: ArrayLike | None = None,
+    shape: ShapeCorrections | None = None,
     views: int = 1,
 ) -> PreparedDrawing:
     """
@@ -345,7 +377,7 @@ def prepare(
     Parameters
     ----------
     drawing : ToonImage or PreparedDrawing
-        The drawing. A prepared drawing is returned unchanged, unless materials, ink or highlights are given.
+        The drawing. A prepared drawing is returned unchanged, unless something is given, and shares what stays the same.
     materials : array_like of int, shape (H, W), or Materials, optional
         Number of the material of each pixel, 0 and up, and -1 where that is left to toonkit; ignored outside the mask.
         Found if not given.
@@ -355,6 +387,8 @@ def prepare(
     highlights : array_like of bool, shape (H, W), optional
         True where the paint shows a highlight, or a cast shadow: what lies on the paint and says nothing about the shape.
         Found if not given.
+    shape : ShapeCorrections, optional
+        What a person says about the shape; an empty one takes back what was said before.
     views : int, optional
         How often a picture shows its object side by side: see `PreparedDrawing`.
 
@@ -367,18 +401,20 @@ def prepare(
     ------
     ToonkitError
         If the drawing is of another type, its object has more than `MOST_PIXELS` pixels, the materials or the highlights are
-        not such arrays, or the ink is not such a mask or covers all of the object.
+        not such arrays, the ink is not such a mask or covers all of the object, or the shape is of another size or type.
     """
+    if shape is not None:
+        of_type("shape", shape, ShapeCorrections)
     if isinstance(materials, Materials):
         materials = materials.labels
     if isinstance(drawing, PreparedDrawing):
-        if materials is None and ink is None and highlights is None:
-            return drawing
-        return drawing.told(materials, ink, highlights)
+        if not (materials is None and ink is None and highlights is None):
+            drawing = drawing.told(materials, ink, highlights)
+        return drawing if shape is None else drawing.reshaped(shape)
     of_type("image", drawing, ToonImage)
     from toonkit.estimation.enlarged_drawing import EnlargedDrawing  # noqa: PLC0415 - one of the class above
 
-    prepared = PreparedDrawing(drawing, materials, ink=ink, highlights=highlights, views=views)
+    prepared = PreparedDrawing(drawing, materials, ink=ink, highlights=highlights, shape=shape, views=views)
     enlargement = find_enlargement(drawing)
     return prepared if enlargement is None else EnlargedDrawing.of(prepared, enlargement)
 

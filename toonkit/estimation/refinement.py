@@ -136,11 +136,12 @@ def build_energies(
     options: RefinementOptions,
     *,
     painted: IlluminationInterval | None = None,
+    hold: FloatArray | None = None,
 ) -> tuple[ChangeEnergy, ...]:
     """
     Build the energy of each of an object's islands; see `refine`. Nothing that it is built from is needed after that.
 
-    Here the light is a unit vector, and intervals have bounds of shape (P,); for `painted` see
+    Here the light is a unit vector, and intervals have bounds of shape (P,); for `painted` and `hold`, (P,), see
     `toonkit.estimation.energy.change_energy`.
     """
     return tuple(
@@ -148,6 +149,7 @@ def build_energies(
             island.grid, island.silhouette, island.own_vectors(initial_normals.compact),
             island.turn.vectors(light), _select(allowed, island.pixels), options,
             painted=None if painted is None else _select(painted, island.pixels),
+            hold=None if hold is None else hold[island.pixels],
         )
         for island in islands
     )  # fmt: skip

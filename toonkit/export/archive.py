@@ -24,6 +24,7 @@ from toonkit.estimation.preparation import MOST_PIXELS, PreparedDrawing, prepare
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.export.npz import Arrays
 from toonkit.export.packing import pack_levels, pack_normals, unpack_levels, unpack_normals
+from toonkit.export.shape_arrays import pack_shape, read_shape
 from toonkit.model.color_map import ColorMap
 from toonkit.model.decoding import MAX_PIXELS
 from toonkit.model.image import ToonImage
@@ -82,7 +83,7 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
     suffix_of(path, (".npz",))
     image, report, estimate = analysis.image, analysis.report, analysis.light_estimate
     soft = np.flatnonzero(image.alpha != image.mask)
-    inflated, initial = analysis.drawing.initial_normals.compact, analysis.initial_normals.compact
+    known, initial = analysis.drawing.initial_normals.compact, analysis.initial_normals.compact
     fields: dict[str, NDArray[Any]] = {
         "format_version": np.array(FORMAT_VERSION),
         "method": np.array(analysis.method),
@@ -110,9 +111,10 @@ def save_analysis(analysis: ToonAnalysis, path: PathLike) -> None:
         given = getattr(analysis.drawing, f"given_{name}")
         if given is not None:
             fields[name] = given[image.mask]
+    fields |= pack_shape(analysis.drawing.given_shape, image.mask)
     if analysis.drawn_materials is not None:
         fields |= _material_fields(analysis.drawn_materials, DRAWN)
-    if not np.array_equal(initial, inflated):  # which follow from mask and alpha
+    if not np.array_equal(initial, known):  # which follow from mask, alpha and the corrections of the shape
         fields["initial_normals"] = pack_normals(initial)
     with (
         atomic_write(path) as file,
@@ -207,7 +209,8 @@ def _assemble(arrays: Arrays, version: int) -> ToonAnalysis:
     views = int(arrays.read("views", "i")) if "views" in arrays.names else 1
     if not 1 <= views <= pixels:
         raise refuse("views", f"must be a number from 1 to {pixels:,}", views)
-    drawing = _drawing(prepare(image, views=views, **_given(arrays, mask)), materials)
+    known = prepare(image, views=views, **_given(arrays, mask), shape=read_shape(arrays, mask))
+    drawing = _drawing(known, materials)
     return ToonAnalysis(
         image=image,
         method=method,

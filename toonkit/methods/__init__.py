@@ -23,6 +23,7 @@ from toonkit.model.image import ToonImage
 from toonkit.model.layer_loading import load_layers
 from toonkit.model.light import direction_of
 from toonkit.model.materials import Materials
+from toonkit.model.shape_corrections import ShapeCorrections
 from toonkit.numerics.parallel import single_threaded_blas
 from toonkit.samples import drawing_path
 
@@ -81,6 +82,7 @@ def analyze(
     materials: ArrayLike | Materials | None = None,
     ink: ArrayLike | None = None,
     highlights: ArrayLike | None = None,
+    shape: ShapeCorrections | None = None,
     previous: ToonAnalysis | None = None,
     progress: StepProgress | None = None,
 ) -> ToonAnalysis:
@@ -106,6 +108,9 @@ def analyze(
     highlights : array_like of bool, shape (H, W), optional
         True where the paint shows a highlight, or a cast shadow: it says nothing about the shape, and fades as the light
         moves. Found if not given.
+    shape : ShapeCorrections, optional
+        What a person says about the shape: parts that bulge, are flat or in front, and normals at points. Given for
+        `analysis.drawing`, nothing else is computed anew; an empty one takes back what was said before.
     previous : ToonAnalysis, optional
         An analysis of the same mask under a nearby light. `toonkit` and `classical` start from it and answer sooner; one of
         the same picture passes on what was derived from it.
@@ -121,8 +126,8 @@ def analyze(
     ------
     ToonkitError
         If the method is unknown, the image is neither a `ToonImage` nor a file that can be read, the light, the materials,
-        the ink or the highlights are refused, the previous analysis is of another mask, or the drawing shows nothing but
-        lines and no materials are given.
+        the ink, the highlights or the shape are refused, the previous analysis is of another mask, or the drawing shows
+        nothing but lines and no materials are given.
 
     Examples
     --------
@@ -149,12 +154,11 @@ def analyze(
         ink = layered.ink if ink is None else ink
     direction = None if light is None else direction_of("light", light)
     nothing_told = materials is None and ink is None and highlights is None
-    if previous is not None and previous.image is image and nothing_told:
-        drawing = previous.drawing
-    else:
-        drawing = prepare(image, materials=materials, ink=ink, highlights=highlights)
-        if previous is not None:
-            same_mask("previous", previous.image.mask, drawing.mask, "the picture")
+    kept = previous is not None and previous.image is image and nothing_told
+    known = previous.drawing if previous is not None and kept else image
+    drawing = prepare(known, materials=materials, ink=ink, highlights=highlights, shape=shape)
+    if previous is not None:
+        same_mask("previous", previous.image.mask, drawing.mask, "the picture")
     if materials is None and drawing.ink.only_lines:
         raise refuse(
             "image",

@@ -47,4 +47,4 @@ def classical(
     the integrability that normals of a surface have; see `toonkit.estimation.energy.ChangeEnergy`.
     """
     steps = inflate_drawing(drawing, light, progress)
-    return steps.finish("classical", steps.refine(steps.initial_normals, previous))
+    return steps.finish("classical", steps.refine(steps.drawing.inflated_normals, previous))

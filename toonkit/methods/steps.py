@@ -78,12 +78,19 @@ class Steps:
     def refine(
         self, normals: NormalField, previous: ToonAnalysis | None, options: RefinementOptions | None = None
     ) -> Refinement:
-        """Fit the color maps to normals and refine them (Sections 3.2 and 3.3), from an earlier answer if there is one."""
+        """
+        Fit the color maps to normals and refine them (Sections 3.2 and 3.3), from an earlier answer if there is one.
+
+        The normals are corrected as a person asks for before.
+        """
         weights = RefinementOptions() if options is None else options
+        corrected, hold = self.drawing.corrected(normals), None
+        if corrected is not None:
+            normals, hold = NormalField.of_pixels(corrected.vectors, normals.mask), corrected.hold
         islands = self.drawing.posed(self.light).islands
         allowed, painted = self.fit_intervals(normals)
-        energies = build_energies(islands, normals, self.light, allowed, weights, painted=painted)
-        del allowed, painted, normals  # the solver needs the memory
+        energies = build_energies(islands, normals, self.light, allowed, weights, painted=painted, hold=hold)
+        del allowed, painted, normals, corrected, hold  # the solver needs the memory
         return refine_islands(
             islands,
             energies,

@@ -56,6 +56,6 @@ def toonkit(
     if progress is not None:
         progress("correcting the shape", INFLATED / 2)
     refinement = steps.refine(
-        correct_shape(steps.drawing, steps.light, steps.initial_normals), previous, OPTIONS
+        correct_shape(steps.drawing, steps.light, steps.drawing.inflated_normals), previous, OPTIONS
     )
     return steps.finish("toonkit", refinement)
