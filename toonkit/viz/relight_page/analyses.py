@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import toonkit
-from toonkit import ToonAnalysis, ToonImage
+from toonkit import ShapeCorrections, ToonAnalysis, ToonImage
 from toonkit.estimation.preparation import PreparedDrawing
 from toonkit.export.packing import pack_normals, unpack_normals
 from toonkit.model.normals import NormalField
@@ -18,6 +18,7 @@ from toonkit.samples import sample_light, sample_path
 from toonkit.viz.relight_page.codes import LabelVersion
 from toonkit.viz.relight_page.corrections import Marks
 from toonkit.viz.relight_page.settings import DEFAULT_METHOD
+from toonkit.viz.relight_page.shape_marks import NOTHING_SAID, ShapeMarks
 from toonkit.viz.turns import TURNS, Progress
 
 KEPT_ANALYSES = 6
@@ -42,12 +43,20 @@ class Question:
         Azimuth and elevation of the artist's light; empty to have it estimated.
     version : bytes or None
         Materials as `MaterialCorrections` tells them apart; None for those found.
+    shape : ShapeMarks
+        What is said about its shape.
     """
 
     digest: str
     method: str
     angles: tuple[float, ...]
     version: LabelVersion | None = None
+    shape: ShapeMarks = NOTHING_SAID
+
+    @property
+    def is_of_drawing_alone(self) -> bool:
+        """Whether nobody has corrected anything."""
+        return self.version is None and self.shape == NOTHING_SAID
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +72,8 @@ class Evidence:
         Its corrected materials, if they differ from those of `previous`.
     ink, highlights : ndarray of bool, shape (H, W), optional
         Its corrected ink, highlights and cast shadows.
+    shape : ShapeCorrections, optional
+        What is said about its shape, if that differs from what was said for `image`.
     previous : ToonAnalysis, optional
         An analysis of the same picture and materials to start from.
     """
@@ -71,6 +82,7 @@ class Evidence:
     labels: NDArray[np.integer] | None = None
     ink: NDArray[np.bool_] | None = None
     highlights: NDArray[np.bool_] | None = None
+    shape: ShapeCorrections | None = None
     previous: ToonAnalysis | None = None
 
 
@@ -112,10 +124,11 @@ def answer(question: Question, evidence: Evidence, progress: Progress, kept: Kep
                 materials=evidence.labels,
                 ink=evidence.ink,
                 highlights=evidence.highlights,
+                shape=evidence.shape,
                 previous=evidence.previous,
                 progress=limited,
             )
-            is_plain = question.version is None and evidence.highlights is None
+            is_plain = question.is_of_drawing_alone and evidence.highlights is None
             if evidence.previous is not None and question.method in STARTING:
                 is_plain = False
             found = Answer(analysis if is_plain else _as_saved(analysis), is_plain)

@@ -27,6 +27,7 @@ from toonkit.viz.relight_page.codes import (
     unpacked_codes,
 )
 from toonkit.viz.relight_page.regions import connected, loop, path_of, stroke
+from toonkit.viz.relight_page.shape_marks import NOTHING_SAID, ShapeMarks
 
 MOST_STEPS = 200
 """Corrections that can be undone."""
@@ -46,12 +47,15 @@ class Version:
         The label map, compressed: number of the material, and mark, of each pixel.
     ramps : tuple of (int, ToneRamp)
         Materials whose ramps were edited, in rising order, with these.
+    shape : ShapeMarks
+        What is said about the shape.
     look : tuple of (str, object)
         Names and values of everything else that is undone with them, such as the light.
     """
 
     labels: LabelVersion
     ramps: tuple[tuple[int, ToneRamp], ...] = ()
+    shape: ShapeMarks = NOTHING_SAID
     look: Look = ()
 
 
@@ -121,6 +125,11 @@ class MaterialCorrections:
         return None if packed == self._versions[0].labels else packed
 
     @property
+    def told(self) -> tuple[LabelVersion | None, ShapeMarks]:
+        """What an analysis is told: the label map and the shape."""
+        return self.labels_version, self.shape
+
+    @property
     def ramps(self) -> dict[int, ToneRamp]:
         """The edited ramps, by the number of their material."""
         return dict(self._version.ramps)
@@ -128,7 +137,12 @@ class MaterialCorrections:
     @property
     def is_corrected(self) -> bool:
         """Whether materials, marks or ramps are otherwise than they were found."""
-        return self._version != replace(self._versions[0], look=self.look)
+        return self._version != replace(self._versions[0], look=self.look, shape=self.shape)
+
+    @property
+    def shape(self) -> ShapeMarks:
+        """What is said about the shape as it is now."""
+        return self._version.shape
 
     @property
     def look(self) -> Look:
@@ -232,6 +246,10 @@ class MaterialCorrections:
             ramps[material] = ramp
         self._add(replace(self._version, ramps=tuple(sorted(ramps.items()))))
 
+    def change_shape(self, shape: ShapeMarks) -> None:
+        """Say something else about the shape."""
+        self._add(replace(self._version, shape=shape))
+
     def change_look(self, look: Look, *, again: bool) -> None:
         """Go on with another look; again, if it only continues the last change, so that both are undone at once."""
         version = replace(self._version, look=look)
@@ -243,7 +261,7 @@ class MaterialCorrections:
         else:
             self._versions[self._position] = version
 
-    def resume(self, codes: Numbers, ramps: Mapping[int, ToneRamp]) -> None:
+    def resume(self, codes: Numbers, ramps: Mapping[int, ToneRamp], shape: ShapeMarks = NOTHING_SAID) -> None:
         """
         Go on with corrections that were made before, as one step.
 
@@ -253,15 +271,18 @@ class MaterialCorrections:
             As `codes` has been.
         ramps : mapping of int to ToneRamp
             As `ramps` has been.
+        shape : ShapeMarks, optional
+            As `shape` has been.
         """
         inside, found = codes >= 0, self.codes_of(None) >= 0
         if not np.array_equal(inside, found) or codes.max() >= MOST_MATERIALS * (PLAIN + 1):
             raise refuse("codes", "must be materials and marks of the object's pixels", "others")
-        self._add(replace(self._version, labels=packed_codes(codes), ramps=tuple(sorted(ramps.items()))))
+        version = replace(self._version, labels=packed_codes(codes), shape=shape)
+        self._add(replace(version, ramps=tuple(sorted(ramps.items()))))
 
     def reset(self) -> None:
         """Return to the materials that were found; this can be undone, too."""
-        self._add(replace(self._versions[0], look=self.look))
+        self._add(replace(self._versions[0], look=self.look, shape=self.shape))
 
     def undo(self) -> None:
         """Take the last correction back, if there is one."""
@@ -271,12 +292,14 @@ class MaterialCorrections:
         """Do again what was taken back last, if anything was."""
         self._position = min(self._position + 1, len(self._versions) - 1)
 
-    def restore(self, labels: LabelVersion | None) -> None:
-        """Go back to an earlier label map; what came after it can be done again."""
-        packed = labels or self._versions[0].labels
-        places = [place for place, other in enumerate(self._versions) if other.labels == packed]
+    def restore(self, labels: LabelVersion | None, shape: ShapeMarks = NOTHING_SAID) -> None:
+        """Go back to an earlier label map and shape; what came after them can be done again."""
+        wanted = labels or self._versions[0].labels, shape
+        places = [
+            place for place, other in enumerate(self._versions) if (other.labels, other.shape) == wanted
+        ]
         if not places:  # corrected anew since
-            self._versions.insert(self._position, replace(self._version, labels=packed))
+            self._versions.insert(self._position, replace(self._version, labels=wanted[0], shape=shape))
             return
         self._position = min(places, key=lambda place: abs(place - self._position))
 

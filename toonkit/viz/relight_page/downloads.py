@@ -42,7 +42,7 @@ def session_file(state: RelightState) -> BytesIO:
     shown = MaterialCorrections(
         corrections.codes_of(None), corrections.found_ink, corrections.found_highlights
     )
-    shown.resume(state.codes, state.ramps)  # not what is still being analyzed
+    shown.resume(state.codes, state.ramps, state.shape_marks)  # not what is still being analyzed
     given = Given(opened.drawing.materials, opened.drawing.ink, opened.highlights)
     work = SavedWork(state.analysis, shown, given, dict(state.look), shown.ramps, state.selected)
     return BytesIO(write_session(work, state.recolored))

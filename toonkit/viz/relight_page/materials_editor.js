@@ -337,6 +337,7 @@ function materialsEditor({root, drawing, frame}, told, shown) {
       b: () => toggle(brush), f: () => toggle(bucket), s: () => toggle(knife), escape, "[": () => resize(-5), "]": () => resize(5),
     },
     setOpen(on) {
+      if (on === open) { return }
       ;[open, using, hovered] = [on, "pick", -1]
       drawing.take(on ? hand : null)
       card.classList.toggle("editing", on)

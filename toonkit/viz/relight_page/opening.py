@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import PurePosixPath
 
@@ -64,17 +64,35 @@ class Opened:
         stem = self.sample or PurePosixPath(self.name).stem
         return stem.lstrip(".") + SUFFIX
 
-    def evidence(self, corrections: MaterialCorrections | None, shown: ToonAnalysis | None) -> Evidence:
+    def evidence(
+        self, question: Question, corrections: MaterialCorrections | None, shown: OnScreen | None
+    ) -> Evidence:
         """
-        Return what to analyze it from, anew.
+        Return what to answer a question about it from.
 
         Parameters
         ----------
+        question : Question
+            The question.
         corrections : MaterialCorrections or None
-            Those of its materials, if there are any.
-        shown : ToonAnalysis or None
-            An analysis of it with other materials, to share what does not depend on them.
+            Those of its materials and its shape, if there are any.
+        shown : OnScreen or None
+            An answer to another question about it, to share what is the same.
         """
+        shape = question.shape.corrections(self.drawing.image.shape)
+        if shown is None or question.version != shown.question.version:
+            evidence = self._materials_evidence(corrections, None if shown is None else shown.answer.analysis)
+            return replace(evidence, shape=shape)
+        previous = shown.answer.analysis
+        if question.shape != shown.question.shape:
+            # Refined without its help, so that the order in which something is said does not matter.
+            return Evidence(previous.drawing, shape=shape)
+        return Evidence(previous.image, previous=previous)
+
+    def _materials_evidence(
+        self, corrections: MaterialCorrections | None, shown: ToonAnalysis | None
+    ) -> Evidence:
+        """Return what is known of the materials, and share what does not depend on them with an analysis of others."""
         ink, highlights = self.drawing.ink, self.highlights
         if corrections is None or corrections.labels_version is None:
             return Evidence(self.drawing.image, self.drawing.materials, ink, highlights)

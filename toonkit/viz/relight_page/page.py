@@ -59,7 +59,7 @@ def stage(state: RelightState) -> RelightView:
 
     told = (state.param[name] for name in ("step", "settled", "can_undo", "can_redo"))
     pn.bind(arrive, *told, watch=True)
-    state.param.watch(lambda event: view.show(event.new, state.codes), "analysis")
+    state.param.watch(lambda event: view.show(event.new, state.codes, state.shape_marks), "analysis")
     state.param.watch(lambda event: view.recolor(event.new), "ramps")
     return view
 
@@ -85,6 +85,10 @@ def _answer(state: RelightState) -> Callable[[DataEvent], Awaitable[None]]:
         "undo": state.undo,
         "redo": state.redo,
         "reset": state.reset_materials,
+        "shape_paint": state.shape_paint,
+        "shape_fill": state.shape_fill,
+        "shape_tilt": state.shape_tilt,
+        "shape_reset": state.shape_reset,
     }
 
     async def asked(message: DataEvent) -> None:

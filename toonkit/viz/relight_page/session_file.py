@@ -26,6 +26,7 @@ from toonkit.export.npz import Arrays
 from toonkit.viz.relight_page.codes import Numbers, materials_of, numbers_in
 from toonkit.viz.relight_page.corrections import MaterialCorrections
 from toonkit.viz.relight_page.settings import RelightSettings
+from toonkit.viz.relight_page.shape_marks import ShapeMarks
 
 SUFFIX = ".toonkit"
 
@@ -169,6 +170,7 @@ def _plain(analysis: ToonAnalysis) -> SavedWork:
     for number in np.flatnonzero(analysis.is_recolored):
         ramp = ToneRamp.of(analysis.materials.color_maps[number])
         corrections.recolor(int(number), ramp)
+    corrections.change_shape(ShapeMarks.of(drawing.given_shape))
     given = Given(labels, drawing.given_ink, drawing.given_highlights)
     return SavedWork(drawn, corrections, given, {}, corrections.ramps)
 
@@ -204,7 +206,7 @@ def _session(arrays: Arrays, analysis: ToonAnalysis) -> SavedWork:
     ramps = {int(number): ToneRamp(**ramp) for number, ramp in described["ramps"].items()}
     corrections = MaterialCorrections(numbers(FOUND), *map(marks, FOUND_MARKS.values()))
     codes = numbers(CODES)
-    corrections.resume(codes, ramps)
+    corrections.resume(codes, ramps, ShapeMarks.of(analysis.drawing.given_shape))
     if len(numbers_in(materials_of(codes))) != analysis.materials.count:
         raise refuse(CODES, f"must be those of {analysis.materials.count} materials", "others")
     settings = described["settings"]

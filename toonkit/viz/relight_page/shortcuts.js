@@ -2,8 +2,9 @@
 
 const SHORTCUTS = [
   ["Ctrl Z", "Undo, the light included"], ["Ctrl Shift Z", "Redo"], ["?", "This list"],
-  ["Arrow keys", "On a ball: move the light by 1°, with Shift by 10°"], ["M", "Light or materials"],
-  ["B", "Brush"], ["F", "Fill a region"], ["S", "Split with a lasso"], ["[ ]", "Size of the brush"],
+  ["Arrow keys", "On a ball: move the light by 1°, with Shift by 10°"], ["M", "Light or materials"], ["N", "Light or shape"],
+  ["B", "Brush"], ["F", "Fill a region"], ["S", "Split with a lasso"], ["D", "On the shape: drag a normal"],
+  ["[ ]", "Size of the brush"],
   ["C", "Compare: as drawn left of a divider, relit right of it"],
   ["+ - 0", "Magnify both pictures, or fit them; so do Ctrl + wheel and a pinch"],
   ["Space", "Held: drag a magnified picture"],

@@ -17,13 +17,15 @@ from toonkit import ToonAnalysis, ToonImage
 from toonkit.model.tone_ramp import ToneRamp
 from toonkit.samples import sample_light
 from toonkit.viz.latest_task import LatestTask, TaskReport
-from toonkit.viz.relight_page.analyses import SAMPLES, Answer, Evidence, Kept, Question, answer
+from toonkit.viz.relight_page.analyses import SAMPLES, Answer, Kept, Question, answer
 from toonkit.viz.relight_page.codes import Numbers, materials_of, numbers_in
 from toonkit.viz.relight_page.corrections import MaterialCorrections
 from toonkit.viz.relight_page.material_actions import MaterialActions
 from toonkit.viz.relight_page.opening import OnScreen, Opened, check_file, open_file, open_sample
 from toonkit.viz.relight_page.session_file import SavedWork, is_saved_work
 from toonkit.viz.relight_page.settings import SETTINGS, RelightSettings
+from toonkit.viz.relight_page.shape_actions import ShapeActions
+from toonkit.viz.relight_page.shape_marks import ShapeMarks
 from toonkit.viz.turns import TURNS
 
 KEPT_CORRECTIONS = 12
@@ -35,7 +37,7 @@ STEP_SECONDS = 0.8
 Result = TypeVar("Result")
 
 
-class RelightState(RelightSettings, MaterialActions):
+class RelightState(RelightSettings, MaterialActions, ShapeActions):
     """
     A drawing, its analysis on screen, and the light it is shown under.
 
@@ -154,6 +156,11 @@ class RelightState(RelightSettings, MaterialActions):
         return materials_of(self.codes)
 
     @property
+    def shape_marks(self) -> ShapeMarks:
+        """What is said about the shape on screen: in `corrections`, there may be more already."""
+        return self.on_screen.question.shape
+
+    @property
     def numbers(self) -> list[int]:
         """Numbers of the materials on screen, in the order in which the analysis has them."""
         return [] if self.analysis is None else numbers_in(self.labels)
@@ -206,11 +213,12 @@ class RelightState(RelightSettings, MaterialActions):
 
     @property
     def _wish(self) -> tuple[object, ...]:
-        return self.method, self.original_light, self.corrections.labels_version
+        return self.method, self.original_light, *self.corrections.told
 
     @property
     def _fulfilled(self) -> tuple[object, ...]:
-        return self.analysis.method, _angles(self.analysis), self.on_screen.question.version
+        question = self.on_screen.question
+        return self.analysis.method, _angles(self.analysis), question.version, question.shape
 
     async def _correct(self, change: Callable[[MaterialCorrections], None]) -> None:
         if self._on_screen is None:
@@ -266,18 +274,13 @@ class RelightState(RelightSettings, MaterialActions):
     async def _analyze(self, opened: Opened, angles: tuple[float, ...]) -> None:
         shown = self._on_screen if self._on_screen is not None and self._on_screen.opened is opened else None
         corrections = self._corrections.get(opened.digest)
-        version = None if corrections is None else corrections.labels_version
-        question = Question(opened.digest, self.method, angles, version)
-        kept = SAMPLES if opened.sample and version is None else self._own
+        question = Question(opened.digest, self.method, angles, *(corrections.told if corrections else ()))
+        kept = SAMPLES if opened.sample and question.is_of_drawing_alone else self._own
         found = kept.get(question)
         if found is not None:
             self.cancel()
         else:
-            previous = None if shown is None else shown.answer.analysis
-            if shown is not None and previous is not None and version == shown.question.version:
-                evidence = Evidence(previous.image, previous=previous)
-            else:
-                evidence = opened.evidence(corrections, previous)
+            evidence = opened.evidence(question, corrections, shown)
             found = await self._work(
                 "reading the drawing", lambda report: answer(question, evidence, report, kept), waits=True
             )
@@ -288,7 +291,7 @@ class RelightState(RelightSettings, MaterialActions):
         """Put what was saved back on screen."""
         analysis = saved.analysis
         angles = tuple(_angles(analysis))
-        question = Question(opened.digest, analysis.method, angles, saved.corrections.labels_version)
+        question = Question(opened.digest, analysis.method, angles, *saved.corrections.told)
         self._corrections[opened.digest] = saved.corrections
         self._on_screen = None  # so that it counts as another drawing, even if it is the same
         self._own[question] = found = Answer(analysis)
@@ -335,7 +338,8 @@ class RelightState(RelightSettings, MaterialActions):
         if self._on_screen is not None:
             with self._silently():
                 self.param.update(method=self.analysis.method, original_light=_angles(self.analysis))
-            self.corrections.restore(self.on_screen.question.version)
+            question = self.on_screen.question
+            self.corrections.restore(question.version, question.shape)
             self.corrections.change_look(self.look, again=True)
             self._show_corrections()
 

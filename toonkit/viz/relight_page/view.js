@@ -16,7 +16,7 @@ function render({model}) {
   const root = document.createElement("div")
   root.className = "relight"
   const style = element(root, "style", "")
-  style.textContent = STYLE
+  style.textContent = STYLE + SHAPE_STYLE
   let original = [...model.original_light], light = [...model.new_light]
   let scheduled = false, originalMoved = true, lastSent = 0, timer = null
   const frame = pictureFrame()
@@ -55,7 +55,7 @@ function render({model}) {
 
   // ---- undo and redo, of the light as well
   function travel(button, action) {
-    if (editor.drawing) { return false }
+    if (editor.drawing || shaper.drawing) { return false }
     circle.stop()
     for (const card of [drawing, relit]) { card.settle() }  // a key that is let go of later would move the light again
     if (timer !== null) { send() }  // what was moved a moment ago can be undone, too
@@ -80,10 +80,10 @@ function render({model}) {
   let pending = 0, settled = model.settled
   function ask(action, details = {}) {
     pending += 1
-    editor.showBusy(true)
+    for (const part of [editor, shaper]) { part.showBusy(true) }
     if (!["undo", "redo"].includes(action)) {
       ;[undo.disabled, redo.disabled] = [false, true]
-      editor.allowReset(action !== "reset")
+      if (!action.startsWith("shape_")) { editor.allowReset(action !== "reset") }
     }
     model.send_msg({action, ...details})
   }
@@ -91,17 +91,23 @@ function render({model}) {
     if (action !== "select") { ask(action, details) }
     else if (model.selected !== details.material) { model.selected = details.material }
   }, recolor)
+  const shaper = shapeEditor({drawing, frame}, ask)
   const modes = element(drawing.card.querySelector("header"), "div", "modes")
-  const modeButtons = [["Light", false], ["Materials", true]].map(([text, editing]) => {
+  const modeButtons = [["Light", null], ["Materials", editor], ["Shape", shaper]].map(([text, part]) => {
     const button = element(modes, "button", "", text)
     button.type = "button"
-    button.addEventListener("click", () => setEditing(editing))
-    return [button, editing]
+    button.addEventListener("click", () => edit(part))
+    return [button, part]
   })
-  function setEditing(on) {
-    for (const [button, editing] of modeButtons) { button.setAttribute("aria-pressed", editing === on) }
-    editor.setOpen(on)
+  // What is edited from now on: the materials, the shape, or the light alone.
+  function edit(next) {
+    for (const [button, part] of modeButtons) {
+      button.setAttribute("aria-pressed", part === next)
+      if (part !== next) { part?.setOpen(false) }
+    }
+    next?.setOpen(true)
     showMaterials()
+    showShape()
   }
   // Shows what Python knows, once it has answered all that was changed here.
   async function showMaterials() {
@@ -114,6 +120,14 @@ function render({model}) {
         number, {ramp: model.found_ramps[row], flat: materials[8 * row + 3] > 0},
       ])))
       takeRamps()
+    }
+  }
+  async function showShape() {
+    const [deflated, texture, [width, height]] = [bytes(model.shape_marks).slice(), bytes(model.normals), model.picture_size]
+    if (!shaper.open || pending > 0 || texture.length === 0) { return }
+    const marks = deflated.length > 0 ? await inflatedBytes(deflated) : new Uint8Array(width * height)
+    if (pending === 0 && width === model.picture_size[0] && marks.length === width * height) {
+      shaper.load(width, height, readNormals(texture, width * height), marks, model.shape_normals)
     }
   }
   const takeRamps = () => {
@@ -134,7 +148,8 @@ function render({model}) {
   }
 
   const keys = shortcuts(root, {
-    undo: () => travel(undo, "undo"), redo: () => travel(redo, "redo"), m: () => setEditing(!editor.open), c: split.toggle, ...frame.keys, ...editor.keys,
+    undo: () => travel(undo, "undo"), redo: () => travel(redo, "redo"), m: () => edit(editor.open ? null : editor), n: () => edit(shaper.open ? null : shaper), c: split.toggle, ...frame.keys,
+    ...editor.keys, ...Object.fromEntries(Object.entries(shaper.keys).map(([key, act]) => [key, () => editor.keys[key]?.() || act()])),
   })
 
   // ---- progress
@@ -197,6 +212,7 @@ function render({model}) {
     originalMoved = true
     draw()
     showMaterials()
+    showShape()
   }
   // Several properties arrive one by one in one task: load them once, when all are there.
   function scheduleReload() {
@@ -209,13 +225,14 @@ function render({model}) {
   for (const name of LOOKS) { model.on(`change:${name}`, schedule) }
   for (const name of ["step", "fraction"]) { model.on(`change:${name}`, showProgress) }
   model.on("change:idle", () => busy.classList.remove("on"))
-  for (const name of [...TEXTURES, "labels", "numbers"]) { model.on(`change:${name}`, scheduleReload) }
+  for (const name of [...TEXTURES, "labels", "numbers", "shape_marks", "shape_normals"]) { model.on(`change:${name}`, scheduleReload) }
   model.on("change:selected", () => editor.setSelected(model.selected))
   model.on("change:settled", () => {
     ;[pending, settled] = [Math.max(pending - (model.settled - settled), 0), model.settled]
-    editor.showBusy(pending > 0)
+    for (const part of [editor, shaper]) { part.showBusy(pending > 0) }
     if (pending === 0) { allow(); takeRamps() }
     setTimeout(showMaterials)
+    setTimeout(showShape)
   })
   model.on("change:edited_ramps", takeRamps)
   for (const name of ["can_undo", "can_redo", "corrected"]) { model.on(`change:${name}`, allow) }
@@ -238,7 +255,7 @@ function render({model}) {
   })
   showProgress()
   allow()
-  setEditing(false)
+  edit(null)
   reload()
   schedule()
   return root

@@ -25,6 +25,7 @@ from toonkit.model.tone_ramp import ToneRamp
 from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, FULL_TURN, HIGHLIGHT_RANGE, relight
 from toonkit.viz.relight_page.codes import MARKS, materials_of, numbers_in
 from toonkit.viz.relight_page.scripts import EDITOR, joined
+from toonkit.viz.relight_page.shape_marks import NOTHING_SAID, ShapeMarks
 from toonkit.viz.relight_page.textures import describe_picture, encode_textures
 
 OUTSIDE, INKED = 0xFFFF, 0x8000
@@ -42,8 +43,9 @@ class RelightView(pn.custom.JSComponent):
     The picture as drawn and as relit, with light balls and sliders.
 
     Call `show` with each new analysis. `on_msg` delivers what its user asks for: `{"action": "estimate"}`, `cancel`,
-    `undo`, `redo`, `reset`, `merge` with `material` and `into`, `paint`, `fill`, `split` and `recolor`, with what
-    `RelightState` takes. Each of the last eight is answered by one more in `settled`.
+    `undo`, `redo`, `reset`, `merge` with `material` and `into`, `paint`, `fill`, `split` and `recolor`, `shape_paint`,
+    `shape_fill`, `shape_tilt` and `shape_reset`, with what `RelightState` takes. All but the first two are answered by one
+    more in `settled`.
 
     Examples
     --------
@@ -101,6 +103,10 @@ class RelightView(pn.custom.JSComponent):
         [], item_type=dict, doc="The `ToneRamp` that describes each material as it is drawn."
     )
     edited_ramps = param.Dict({}, doc="That of each material that has another one, by its number as a text.")
+    shape_marks = param.Bytes(
+        b"", doc="What is said of each pixel's shape: `BITS` of `ShapeMarks`, uint8, deflated; or none."
+    )
+    shape_normals = param.List([], item_type=dict, doc="The `NormalHint` that there are, as they are made.")
     selected = param.Integer(-1, doc="Number of the chosen material; -1 for none.")
     can_undo = param.Boolean(False, doc="Whether a correction can be undone.")
     can_redo = param.Boolean(False, doc="Whether one can be done again.")
@@ -114,7 +120,12 @@ class RelightView(pn.custom.JSComponent):
         self._ramps: Mapping[int, ToneRamp] = {}
         super().__init__(**{"sizing_mode": "stretch_width", **params})
 
-    def show(self, analysis: ToonAnalysis, codes: NDArray[np.integer] | None = None) -> None:
+    def show(
+        self,
+        analysis: ToonAnalysis,
+        codes: NDArray[np.integer] | None = None,
+        shape: ShapeMarks = NOTHING_SAID,
+    ) -> None:
         """
         Put an analysis on screen; the new light stays where it is.
 
@@ -124,6 +135,8 @@ class RelightView(pn.custom.JSComponent):
             Any method's result.
         codes : ndarray of int, shape (H, W), optional
             Other numbers for its materials, in the same order, with marks; -1 outside the object.
+        shape : ShapeMarks, optional
+            What is said about its shape.
         """
         self._analysis = analysis
         codes = analysis.materials.labels if codes is None else codes
@@ -134,6 +147,8 @@ class RelightView(pn.custom.JSComponent):
             **picture,
             numbers=numbers_in(materials_of(codes)),
             found_ramps=[asdict(ToneRamp.of(color_map)) for color_map in analysis.materials.color_maps],
+            shape_marks=shape.packed,
+            shape_normals=[asdict(hint) for hint in shape.normals],
             labels=zlib.compress(shown.tobytes(), 1),  # a few kilobytes
             original_light=[round(angle, 3) for angle in picture["analyzed_light"]],  # as RelightState has it
         )
@@ -156,7 +171,7 @@ class RelightView(pn.custom.JSComponent):
         """Let go of the analysis and its textures: nobody looks any more."""
         self._analysis = None
         with param.parameterized.discard_events(self):
-            self.param.update(dict.fromkeys((*TEXTURES, "labels"), b""), fallback_picture=b"")
+            self.param.update(dict.fromkeys((*TEXTURES, "labels", "shape_marks"), b""), fallback_picture=b"")
 
     @param.depends("keep_detail", watch=True)
     def _take_palette(self) -> None:
