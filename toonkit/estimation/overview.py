@@ -46,6 +46,11 @@ class ReducedPaint:
     ink: BoolArray
     labels: IndexArray
 
+    @property
+    def factor(self) -> int:
+        """Pixels to a block's side."""
+        return 1 << len(self.steps)
+
 
 class Seen(NamedTuple):
     """
@@ -88,11 +93,6 @@ class Overview(ReducedPaint):
         """Add N0 (P, 3) to a drawing that has been reduced."""
         directions = _directions(paint.steps, initial)[paint.filled]
         return cls(paint.grid, paint.steps, paint.filled, paint.tones, paint.ink, paint.labels, directions)
-
-    @property
-    def factor(self) -> int:
-        """Pixels to a block's side."""
-        return 1 << len(self.steps)
 
     def seen_from(self, square: WorkingSquare) -> Seen:
         """Look at the overview on a square."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
-from toonkit._validation import BoolArray
+from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.islands import Island
 from toonkit.estimation.overview import Overview, ReducedPaint, reduce_paint
 from toonkit.estimation.shading_ratio import GrayPaint, PaintedMaterial, gray_paint
@@ -28,12 +28,16 @@ class Pose:
         Where ink or a highlight covers the paint.
     labels : ndarray of int, shape (P,)
         Numbers of the materials.
+    learned : dict of bytes to tuple of ndarray
+        The change of N0 that the learned shape asks for on each island's square, under the light asked about last: it is a
+        quarter of an analysis, and stays as it is when a person corrects the shape.
     """
 
     islands: tuple[Island, ...]
     materials: tuple[PaintedMaterial, ...]
     hidden: BoolArray
     labels: IndexArray
+    learned: dict[bytes, tuple[FloatArray, ...]] = field(default_factory=dict)
 
     @cached_property
     def gray(self) -> GrayPaint:

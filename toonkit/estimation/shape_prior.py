@@ -45,6 +45,9 @@ CHANNELS = 12
 DAMPING = 0.25
 """Doubt about the light, radians, at which the network is told exp(-1) of its sine and cosine."""
 
+KEPT_ISLANDS = 16
+"""Islands of a drawing whose answers are kept, at most: each takes a megabyte."""
+
 NEGLIGIBLE = 0.005
 """Illumination by which normals may miss what the colors allow, root mean square, and still be taken for right."""
 
@@ -70,22 +73,36 @@ def correct_shape(
         Corrected normals on the same mask. Each island is seen by itself.
     """
     drawing = prepare(drawing)
-    colored = len(drawing.painted_materials) > 1
-    corrected = []
-    pose = drawing.posed(light)
-    for number, island in enumerate(pose.islands):
-        overview, direction = pose.overview(number, initial_normals), island.turn.vectors(light)
-        square = WorkingSquare.around(overview.grid, direction[:2])
-        views = [
-            _View.of(overview, direction, square, colored=colored, wider=wider, mirrored=mirrored)
-            for wider, mirrored in SQUARES
-        ]
-        change = (
-            np.mean(run_each([view.answer_on_the_finer_square for view in views]), axis=0) * views[0].need()
+    pose, asked = drawing.posed(light), light.tobytes()
+    is_known = initial_normals is drawing.inflated_normals
+    changes = pose.learned.get(asked) if is_known else None
+    if changes is None:
+        colored = len(drawing.painted_materials) > 1
+        changes = tuple(
+            _change(pose.overview(number, initial_normals), island.turn.vectors(light), colored=colored)
+            for number, island in enumerate(pose.islands)
         )
-        spread = square.enlarged(overview.factor).spread(square.turned_back(change), island.grid)
+        if is_known and len(changes) <= KEPT_ISLANDS:
+            pose.learned.clear()
+            pose.learned[asked] = changes
+    corrected = []
+    for number, (island, change) in enumerate(zip(pose.islands, changes, strict=True)):
+        reduced = pose.reduced_paint[number]
+        square = WorkingSquare.around(reduced.grid, island.turn.vectors(light)[:2])
+        spread = square.enlarged(reduced.factor).spread(square.turned_back(change), island.grid)
         corrected.append(_add_and_normalize(island.own_vectors(initial_normals.compact), spread))
     return NormalField.of_pixels(join_vectors(pose.islands, corrected), initial_normals.mask)
+
+
+def _change(overview: Overview, light: FloatArray, *, colored: bool) -> FloatArray:
+    """Return the change of N0 that is asked for under a light, on the island's square, `FINER` times as fine."""
+    square = WorkingSquare.around(overview.grid, light[:2])
+    views = [
+        _View.of(overview, light, square, colored=colored, wider=wider, mirrored=mirrored)
+        for wider, mirrored in SQUARES
+    ]
+    answers = run_each([view.answer_on_the_finer_square for view in views])
+    return np.asarray(np.mean(answers, axis=0) * views[0].need())
 
 
 def misfit(
