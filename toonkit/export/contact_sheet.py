@@ -14,7 +14,7 @@ from toonkit._validation import FloatArray, as_light, of_type, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.export.thumbnail import Thumbnail
 from toonkit.model.color_map import ColorMap
-from toonkit.model.image import eight_bit
+from toonkit.model.image import ToonImage, eight_bit
 from toonkit.model.label_colors import label_picture
 from toonkit.model.light import light_angles, light_direction
 from toonkit.model.whole_pixels import opaque, put_pixels
@@ -66,7 +66,11 @@ class _Tile:
 
 
 def contact_sheet(
-    analysis: ToonAnalysis, lights: Sequence[ArrayLike] | None = None, *, keep_detail: bool = True
+    analysis: ToonAnalysis,
+    lights: Sequence[ArrayLike] | None = None,
+    *,
+    keep_detail: bool = True,
+    base_color: ToonImage | None = None,
 ) -> NDArray[np.uint8]:
     """
     Lay out a drawing, what it was taken apart into, and relit pictures on one sheet.
@@ -79,6 +83,8 @@ def contact_sheet(
         Lights to relight with; `STANDARD_LIGHTS` by default.
     keep_detail : bool, optional
         As in `relight`.
+    base_color : ToonImage, optional
+        `analysis.base_color`, if it is at hand.
 
     Returns
     -------
@@ -100,7 +106,8 @@ def contact_sheet(
     checked = [as_light("lights", light) for light in directions]
     several = analysis.materials.count > 1
     small = Thumbnail.of(analysis, _TILE - 2 * _PADDING)
-    base = small.picture(analysis.base_colors()[small.pixels], keep_detail=False)
+    base_colors = analysis.base_colors() if base_color is None else base_color.pixels
+    base = small.picture(base_colors[small.pixels], keep_detail=False)
     tiles = [
         _input_tile(analysis, small),
         _materials_tile(analysis, small) if several else _color_map_tile(analysis),

@@ -181,13 +181,13 @@ def holds_analysis(folder: Path, inputs: Mapping[str, Any]) -> bool:
 
 def _writers(analysis: ToonAnalysis) -> dict[str, tuple[str, Callable[[Path], None]]]:
     """Return, for the name of each file but the report, what it is and how it is written."""
-    normals, materials = analysis.normals, analysis.materials
+    normals, materials, base_color = analysis.normals, analysis.materials, analysis.base_color
     writers: dict[str, tuple[str, Callable[[Path], None]]] = {
         ARCHIVE_NAME: ("the whole analysis, to be relit", lambda path: save_analysis(analysis, path)),
         "input.png": ("the drawing as analyzed, cut out", lambda path: write_picture(analysis.image, path)),
         "base_color.png": (
             "the drawing without its painted shading",
-            lambda path: write_picture(analysis.base_color, path),
+            lambda path: write_picture(base_color, path),
         ),
         "materials.png": (
             "its materials, a color each",
@@ -220,7 +220,7 @@ def _writers(analysis: ToonAnalysis) -> dict[str, tuple[str, Callable[[Path], No
         writers["color_maps.json"] = ("color maps, exact", lambda path: write_color_maps(materials, path))
     writers["relit_contact_sheet.png"] = (
         "all of it at a glance, under new lights",
-        lambda path: write_picture(contact_sheet(analysis), path),
+        lambda path: write_picture(contact_sheet(analysis, base_color=base_color), path),
     )
     return writers
 

@@ -11,6 +11,7 @@ from PIL import Image
 from toonkit._validation import FloatArray
 from toonkit.analysis import ToonAnalysis
 from toonkit.model.image import eight_bit
+from toonkit.model.whole_pixels import opaque
 from toonkit.numerics.masked_grid import bounding_box
 
 SAMPLES = 3
@@ -92,9 +93,10 @@ class Thumbnail:
         if keep_detail:
             fringe = np.clip(fringe + self.fringe_drawn - self.fringe_followed, 0.0, 1.0)
         rgba = np.zeros((*self.alpha.shape, 4), np.uint8)
-        rgba[..., 3] = self.alpha
+        pixels = rgba.view(np.uint32).ravel()  # as wholes, they are put into place several times as fast
         for places, painted in ((self.object_places, own), (self.fringe_places, fringe)):
-            rgba.reshape(-1, 4)[places, :3] = eight_bit(painted)
+            pixels[places] = opaque(eight_bit(painted)).view(np.uint32).ravel()
+        rgba[..., 3] = self.alpha
         return self._fitted(rgba)
 
     def of_object(self, colors: NDArray[np.uint8]) -> Image.Image:
