@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from toonkit._validation import FloatArray, any_array, of_type, refuse
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.preparation import prepare
+from toonkit.frames.coupling import couple
 from toonkit.frames.montage import Place, cut, montage
 from toonkit.methods import analyze
 from toonkit.methods.steps import StepProgress
@@ -115,8 +116,12 @@ def analyze_frames(
     Notes
     -----
     The frames are analyzed side by side as one drawing. So a color belongs to the same material in all frames and has the
-    same place in its color map, and ink is told by what it is in all frames together. The shape is found for each part of a
-    frame by itself. Widths of lines are judged by the size of one frame.
+    same place in its color map, and ink is told by what it is in all frames together. Widths of lines are judged by the size
+    of one frame.
+
+    The shape is found for each part of a frame by itself. If at least six frames of one size show an object that turns once
+    around an upright axis by equal angles, seen from the side, and it can be told which way, `toonkit` and `classical` then
+    let them agree on its shape: see `toonkit.frames.turntable`.
     """
     if not isinstance(frames, Sequence) and not (isinstance(frames, np.ndarray) and frames.ndim):
         raise refuse("frames", "must be a sequence of arrays", type(frames).__name__)
@@ -126,7 +131,8 @@ def analyze_frames(
     pixels, places = montage(pictures)
     views = sum(bool(place.height) for place in places)
     drawing = prepare(image_of(pixels, None), views=views)
-    return FrameAnalysis(analyze(drawing, light, method=method, progress=progress), places)
+    analysis = analyze(drawing, light, method=method, progress=progress)
+    return FrameAnalysis(couple(analysis, places), places)
 
 
 def _checked(frame: ArrayLike) -> FramePixels:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Protocol
@@ -30,6 +31,7 @@ SUBPIXELS = 4
 _FRAMING_RAYS = 64  # along each side of the square in which the silhouette is looked for
 _FRAMING_ROUNDS = 5  # each measures its extent four times finer: to 0.00003 in the end
 _SIDES = ((0, 1), (0, -1), (1, 1), (1, -1))  # axis, and 1 for its low end, -1 for its high end
+_ALL_AROUND = range(0, 360, 45)  # yaws from which a turning shape is framed
 _JUST_NOT_HALF = 0.5 - 1e-6
 
 
@@ -101,6 +103,22 @@ def render_shape(shape: Shape, size: int, *, view: View | None = None) -> Render
     size = _checked_size(size)
     seen = shape.view if view is None else view
     return _render(DistanceSolid(shape, seen.matrix()), _frame_of_shape(shape, seen), size)
+
+
+def render_turns(shape: Shape, size: int, yaws: Sequence[float]) -> list[RenderedShape]:
+    """
+    Render a shape of the study as it turns about its upright axis, by yaws in degrees, with the axis in the middle.
+
+    All pictures have the scale at which it fits from any side. Raises `ToonkitError` for a bad size.
+    """
+    size = _checked_size(size)
+    seen = [_frame_of_shape(shape, View(yaw=yaw)) for yaw in _ALL_AROUND]
+    across = max(2 * abs(frame.x) + frame.width for frame in seen)
+    upright = float(np.mean([frame.y for frame in seen]))
+    return [
+        _render(DistanceSolid(shape, View(yaw=yaw).matrix()), _Frame(0.0, upright, across), size)
+        for yaw in yaws
+    ]
 
 
 def render_mesh(
