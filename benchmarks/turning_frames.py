@@ -170,6 +170,18 @@ def measured(name: str, degrees: float, count: int, size: int) -> Row:
     }
 
 
+def table(rows: Sequence[Row]) -> str:
+    """Return the means over shapes as a Markdown table, a line for each turn."""
+    lines = [
+        "| degrees between frames | change, by itself | change, together | error, by itself | error, together |"
+    ]
+    lines.append("|---|---|---|---|---|")
+    columns = ["change_alone", "change", "error_alone", "error"]
+    for degrees, means in pd.DataFrame(rows).groupby("degrees")[columns].mean().iterrows():
+        lines.append(f"| {degrees:.0f}° | {' | '.join(f'{means[column]:.1f}°' for column in columns)} |")
+    return "\n".join(lines)
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description="How much normals change from frame to frame.")
     parser.add_argument("-o", "--output", type=Path, metavar="CSV", help="write one row per shape and turn")
@@ -185,7 +197,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         for name in given.shapes
     )
     print(rows.to_string(index=False, float_format="{:.2f}".format))
-    print(rows.drop(columns="shape").groupby("degrees").mean().to_string(float_format="{:.2f}".format))
+    print(table(rows.to_dict("records")))
     if given.output is not None:
         rows.round(3).to_csv(given.output, index=False)
 

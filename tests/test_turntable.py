@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 import pytest
 
-from benchmarks.turning_frames import analyzed_alone, change_at_points, error, measured
+from benchmarks.turning_frames import analyzed_alone, change_at_points, error, measured, table
 from tests.turning import LIGHT, turning
 from toonkit import analyze_frames
 from toonkit.frames.turntable import Views, find_turntable
 from toonkit.frames.visual_hull import VisualHull, turned_vectors
 
+ROOT = Path(__file__).parents[1]
 AROUND = np.linspace(0, 2 * np.pi, 12, endpoint=False)
 
 
@@ -90,3 +94,10 @@ def test_frames_that_agree_are_relit_as_painted_under_their_own_light(frames):
     for before, after in zip(pictures, analyze_frames(pictures, LIGHT).relight(LIGHT), strict=True):
         seen = before[..., 3] > 0
         assert np.array_equal(before[seen], after[seen])
+
+
+def test_the_document_shows_the_changes_that_were_measured():
+    rows = pd.read_csv(ROOT / "benchmarks" / "results" / "turning_frames.csv")
+    document = (ROOT / "docs" / "exporting.md").read_text()
+    assert table(rows.to_dict("records")) in document
+    assert f"themselves change by {rows.true_change.mean():.1f}°" in document.replace("\n", " ")
