@@ -292,6 +292,36 @@ def test_relight_lets_a_light_circle_behind_the_picture(analyzed, tmp_path):
         assert found.n_frames == 2
 
 
+def test_relight_lets_a_light_go_from_light_to_light(analyzed, tmp_path):
+    target = tmp_path / "path.png"
+    path = ["--through", "45,30", "-30,-10", "--frames", "2", "--once"]
+    assert main(["relight", str(analyzed), "--orbit", str(target), *path]) == 0
+    expected = relight(load_analysis(analyzed / "analysis.npz"), (-30, -10)).to_rgba()
+    with Image.open(target) as found:
+        found.seek(1)
+        last = np.asarray(found.convert("RGBA")).astype(int)
+    seen = expected[..., 3] > 0
+    assert np.abs(last[seen] - expected[seen]).max() <= 1
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        (["--through", "45,30", "60,30"], "needs --orbit FILE beside --through"),
+        (["--orbit", "path.gif", "--once"], "needs --through AZ,EL AZ,EL beside --once"),
+        (["--orbit", "path.gif", "--through", "45,30"], "lights must be two or more lights"),
+        (["--orbit", "path.gif", "--through", "45,30", "left"], "--through must be AZIMUTH,ELEVATION"),
+        (["--orbit", "path.gif", "--through", "1,2", "3,4", "--elevation", "5"], "elevations from --through"),
+    ],
+)
+def test_relight_refuses_what_is_no_path(analyzed, tmp_path, monkeypatch, capsys, options, reason):
+    monkeypatch.chdir(tmp_path)
+    light = [] if "--orbit" in options else ["--light", "45,30", "-o", "relit.png"]
+    assert main(["relight", str(analyzed), *light, *options]) == 2
+    assert reason in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize("name", ["layers", "layers.ora"])
 def test_relight_writes_layers_with_or_without_the_picture(analyzed, tmp_path, capsys, name):
     target, picture = tmp_path / name, tmp_path / "relit.png"

@@ -1,11 +1,11 @@
-"""The orbit shows the light going once around, as fast and as transparent as each format can."""
+"""Animations of a moving light: once around, or from light to light, as transparent as each format can."""
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from toonkit import ToonkitError, light_direction, relight
-from toonkit.export.animation import FRAME_MILLISECONDS, write_orbit
+from toonkit.export.animation import FRAME_MILLISECONDS, write_light_path, write_orbit
 
 SUFFIXES = [".gif", ".webp", ".png", ".apng"]
 
@@ -40,6 +40,24 @@ def test_lossless_frames_are_the_relit_pictures(analysis, tmp_path, suffix):
         assert np.array_equal(frame[..., 3], expected[..., 3])
         seen = expected[..., 3] > 0
         assert np.array_equal(frame[seen], expected[seen])
+
+
+@pytest.mark.parametrize(("suffix", "once"), [(".gif", None), (".webp", 1), (".png", 1)])
+def test_a_path_of_lights_is_shown_without_end_or_once(analysis, tmp_path, suffix, once):
+    lights = [(135, 30), (45, 30), (45, 60)]
+    path = tmp_path / f"path{suffix}"
+    write_light_path(analysis, path, lights, frames=6)
+    looped, _, loop = frames_of(path)
+    assert (len(looped), loop) == (6, 0)
+    write_light_path(analysis, path, lights, frames=5, loop=False)
+    shown, _, loop = frames_of(path)
+    # Pillow tells of WebP and PNG how often they are shown, and of a GIF how often again, which it does not say here.
+    assert (len(shown), loop) == (5, once)
+    if suffix != ".gif":
+        for index, light in ((0, lights[0]), (2, lights[1]), (4, lights[2])):
+            expected = relight(analysis, light).to_rgba()
+            seen = expected[..., 3] > 0
+            assert np.abs(shown[index][seen].astype(int) - expected[seen]).max() <= 1
 
 
 def test_a_gif_is_transparent_outside_and_close_in_color_inside(analysis, tmp_path):

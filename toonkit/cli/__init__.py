@@ -13,15 +13,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from toonkit._validation import ToonkitError, ToonkitWarning, refuse
+from toonkit._validation import ToonkitError, ToonkitWarning
 from toonkit.cli.batch import add_batch_command
 from toonkit.cli.dashboard import add_dashboard_command
 from toonkit.cli.drawing_work import DrawingWork, add_work_options, analyze_drawing, layer_options
-from toonkit.cli.folders import holds_frames, print_files, read_analysis
-from toonkit.cli.frames import add_frames_command, relight_frames
-from toonkit.cli.lights import parse_color, parse_light
+from toonkit.cli.folders import print_files
+from toonkit.cli.frames import add_frames_command
 from toonkit.cli.mesh import add_mesh_command
 from toonkit.cli.progress import StepBar, show_warning
+from toonkit.cli.relight import add_relight_command
 from toonkit.cli.streams import complain, discard_output, prepare_streams
 from toonkit.cli.study import add_study_commands
 from toonkit.samples import PREFIX, drawing_path, sample_names, sample_path
@@ -139,65 +139,7 @@ def _parser() -> argparse.ArgumentParser:
     analyze.add_argument("--quiet", action="store_true", help="no progress bar and no summary")
     analyze.set_defaults(run=_analyze)
 
-    relight = commands.add_parser("relight", help="paint an analyzed drawing under another light")
-    relight.add_argument("analysis", help="the folder that `toonkit analyze` wrote, or its analysis.npz")
-    relight.add_argument(
-        "--light",
-        metavar="AZ,EL",
-        help="the new light, in degrees; an elevation below 0 is behind the picture",
-    )
-    relight.add_argument("-o", "--out", metavar="FILE", help="picture to write, .png or .webp")
-    relight.add_argument(
-        "--layers",
-        metavar="PATH",
-        help="write the picture as layers (base color, shadow, light, highlight, ink): a file that ends in .psd or .ora, "
-        "or a folder of PNGs",
-    )
-    relight.add_argument(
-        "--profiles",
-        metavar="FOLDER",
-        help="write the drawing lit from the left, right, top, bottom and front, gray and relit, for sprite-lighting tools",
-    )
-    relight.add_argument(
-        "--orbit", metavar="FILE", help="animation to write, .gif, .webp or .apng: the light circles"
-    )
-    relight.add_argument(
-        "--frames", type=int, default=36, metavar="N", help="frames of the animation (default: 36)"
-    )
-    relight.add_argument(
-        "--elevation", type=float, metavar="EL", help="elevation of the circling light, in degrees, -90 to 90"
-    )
-    relight.add_argument(
-        "--model-only",
-        action="store_true",
-        help="paint with the color maps alone, without the drawing's own detail",
-    )
-    relight.add_argument(
-        "--flat-shading",
-        type=float,
-        default=1.0,
-        metavar="S",
-        help="how much materials painted in one tone answer to the light: 0 leaves them as drawn, 1 (default) shades "
-        "them as the drawing shades the others",
-    )
-    relight.add_argument(
-        "--light-color", default="#ffffff", metavar="#RRGGBB", help="color of the new light (default: white)"
-    )
-    relight.add_argument(
-        "--ambient",
-        type=float,
-        default=0.0,
-        metavar="A",
-        help="how much light comes from all sides: 0 (default) leaves shadows as the drawing paints them, 1 leaves none",
-    )
-    relight.add_argument(
-        "--palette",
-        action=argparse.BooleanOptionalAction,
-        help="paint with the drawing's own colors only, or with any; by default, pixel art keeps its palette",
-    )
-    relight.add_argument("--quiet", action="store_true", help="no progress bar and no summary")
-    relight.set_defaults(run=_relight)
-
+    add_relight_command(commands)
     add_frames_command(commands)
     add_mesh_command(commands)
     add_batch_command(commands)
@@ -209,13 +151,13 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _joined_lights(argv: Sequence[str]) -> list[str]:
-    """Join `--light -30,50` into `--light=-30,50`: argparse takes a leading minus for an option."""
+    """Keep argparse from taking `-30,50` for an option: join it to `--light=-30,50`, or put a space before it in a list."""
     joined: list[str] = []
     for argument in argv:
         if joined and joined[-1] in ("--light", "--view") and re.match(r"-[\d.]", argument):
             joined[-1] += f"={argument}"
         else:
-            joined.append(argument)
+            joined.append(f" {argument}" if re.match(r"-[\d.]+,", argument) else argument)
     return joined
 
 
@@ -265,69 +207,6 @@ def _summarize(analyzed: AnalyzedDrawing, drawing: str, seconds: float) -> None:
         print(f"materials from the layers: {', '.join(analyzed.drawing.flats_layers)}")
     if Paint.of(analysis, None, keep_detail=True).palette is not None:
         print("pixel art: relight keeps to its colors, unless you add --no-palette")
-
-
-def _check_outputs(arguments: argparse.Namespace) -> None:
-    """Refuse lights without a place for their pictures, and places without a light."""
-    if (arguments.light is None) == (arguments.orbit is None) and (arguments.light or not arguments.profiles):
-        raise refuse(
-            "relight", "needs one of --light AZ,EL and --orbit FILE", "both" if arguments.light else "neither"
-        )
-    if arguments.light is not None and arguments.out is None and arguments.layers is None:
-        raise refuse("relight", "needs -o FILE or --layers PATH beside --light", "neither")
-    if arguments.light is None and arguments.layers is not None:
-        raise refuse("relight", "needs --light AZ,EL beside --layers", "none")
-    if arguments.light is None and arguments.out is not None:
-        named = "--profiles" if arguments.orbit is None else "--orbit"
-        what = "folder" if arguments.orbit is None else "animation"
-        raise refuse("relight", f"takes the {what}'s name from {named} alone", f"-o {arguments.out} too")
-
-
-def _relight(arguments: argparse.Namespace) -> int:
-    _check_outputs(arguments)
-    light = None if arguments.light is None else parse_light(arguments.light, behind=True)
-
-    from toonkit.export.animation import write_orbit  # noqa: PLC0415
-    from toonkit.export.layer_files import write_layers  # noqa: PLC0415
-    from toonkit.export.layers import split_layers  # noqa: PLC0415
-    from toonkit.export.light_profiles import write_light_profiles  # noqa: PLC0415
-    from toonkit.export.picture import write_picture  # noqa: PLC0415
-    from toonkit.relighting import relight  # noqa: PLC0415
-
-    options: dict[str, Any] = {
-        "keep_detail": not arguments.model_only,
-        "flat_shading": arguments.flat_shading,
-        "palette": arguments.palette,
-        "light_color": parse_color(arguments.light_color),
-        "ambient": arguments.ambient,
-    }
-    if holds_frames(arguments.analysis):
-        relight_frames(arguments.analysis, arguments, options)
-        if not arguments.quiet:
-            print(f"written to {arguments.out}")
-        return 0
-    analysis = read_analysis(arguments.analysis)
-    if light is not None and arguments.out is not None:
-        write_picture(relight(analysis, light, **options), arguments.out)
-    if light is not None and arguments.layers is not None:
-        write_layers(split_layers(analysis, light, **options), arguments.layers)
-    if arguments.profiles is not None:
-        write_light_profiles(analysis, arguments.profiles, **options)
-    if arguments.orbit is not None:
-        with StepBar(visible=not arguments.quiet) as progress:
-            write_orbit(
-                analysis,
-                arguments.orbit,
-                frames=arguments.frames,
-                elevation=arguments.elevation,
-                progress=lambda fraction: progress("painting frames", fraction),
-                **options,
-            )
-    if not arguments.quiet:
-        for target in (arguments.out, arguments.layers, arguments.profiles, arguments.orbit):
-            if target is not None:
-                print(f"written to {target}")
-    return 0
 
 
 def _samples(_: argparse.Namespace) -> int:

@@ -18,12 +18,12 @@ def parse_light(text: str, *, behind: bool = False) -> FloatArray:
     return direction_of("--light", parse_angles(text), behind=behind)
 
 
-def parse_angles(text: str) -> tuple[float, float]:
-    """Return azimuth and elevation, degrees, as typed; raises `ToonkitError` for anything else."""
+def parse_angles(text: str, option: str = "--light") -> tuple[float, float]:
+    """Return azimuth and elevation, degrees, as typed for an option; raises `ToonkitError` for anything else."""
     try:
         azimuth, elevation = (float(part) for part in text.split(","))
     except ValueError:
-        raise refuse("--light", "must be AZIMUTH,ELEVATION in degrees, such as 135,45", repr(text)) from None
+        raise refuse(option, "must be AZIMUTH,ELEVATION in degrees, such as 135,45", repr(text)) from None
     return azimuth, elevation
 
 

@@ -1,4 +1,4 @@
-"""Animated pictures: frames as they are, and a light that circles the object."""
+"""Animated pictures: frames as they are, and a light that circles the object or travels from light to light."""
 
 from __future__ import annotations
 
@@ -7,14 +7,15 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Unpack
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
-from toonkit._validation import check_callable, is_count, is_number, of_type, refuse, warn
+from toonkit._validation import FloatArray, check_callable, is_count, is_number, of_type, refuse, warn
 from toonkit.analysis import ToonAnalysis
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.model.frame_files import Timing
 from toonkit.model.light import light_angles, light_direction
+from toonkit.model.light_path import MOST_FRAMES, light_path
 from toonkit.relighting import RelightOptions, relight
 
 FRAME_MILLISECONDS = 60
@@ -22,9 +23,6 @@ FRAME_MILLISECONDS = 60
 
 ANIMATED = (".gif", ".webp", ".apng", ".png")
 """Ends of the names of animations."""
-
-MOST_FRAMES = 720
-"""Half a degree a frame; more would fill the memory and show nothing new."""
 
 _STEEPEST = 60.0  # degrees: a light at the viewer's eye would circle without any change
 _SHALLOWEST = 15.0
@@ -82,11 +80,70 @@ def write_orbit(
     elif not is_number(elevation) or not -90 <= elevation <= 90:
         raise refuse("elevation", "must lie in -90 to 90 degrees", elevation)
     azimuths = azimuth + np.arange(frames) * (360 / frames)
+    lights = np.array([light_direction(float(turned), elevation) for turned in azimuths])
+    _write_lights(analysis, path, suffix, lights, loops=0, progress=progress, options=options)
+
+
+def write_light_path(
+    analysis: ToonAnalysis,
+    path: PathLike,
+    lights: Sequence[ArrayLike] | ArrayLike,
+    *,
+    frames: int = 36,
+    loop: bool = True,
+    progress: Callable[[float], None] | None = None,
+    **options: Unpack[RelightOptions],
+) -> None:
+    """
+    Write an animation of the light traveling from one light to the next.
+
+    Parameters
+    ----------
+    analysis : ToonAnalysis
+        Any method's result.
+    path : path
+        As in `write_orbit`.
+    lights : sequence of array_like
+        Two or more lights in the order of travel, as in `toonkit.model.light_path.light_path`.
+    frames : int, optional
+        Number of frames, 2 to 720.
+    loop : bool, optional
+        Whether the light returns to the first one and starts again without end; otherwise it is shown once, and ends at
+        the last one.
+    progress : callable, optional
+        Called with the fraction done, 0..1, after each frame.
+    **options
+        Those of `relight`.
+
+    Raises
+    ------
+    ToonkitError
+        If an argument breaks these rules or the file cannot be written.
+    """
+    suffix = suffix_of(path, ANIMATED)
+    of_type("analysis", analysis, ToonAnalysis)
+    check_callable("progress", progress)
+    directions = light_path(lights, frames, loop=loop)
+    _write_lights(
+        analysis, path, suffix, directions, loops=0 if loop else 1, progress=progress, options=options
+    )
+
+
+def _write_lights(
+    analysis: ToonAnalysis,
+    path: PathLike,
+    suffix: str,
+    lights: FloatArray,
+    *,
+    loops: int,
+    progress: Callable[[float], None] | None,
+    options: RelightOptions,
+) -> None:
+    """Write one frame for each light (n, 3)."""
+    frames = len(lights)
 
     def picture(index: int) -> Image.Image:
-        light = light_direction(float(azimuths[index]), elevation)
-        relit = relight(analysis, light, **options)
-        return Image.fromarray(relit.to_rgba())
+        return Image.fromarray(relight(analysis, lights[index], **options).to_rgba())
 
     def pictures() -> Iterator[Image.Image]:
         for index in range(frames):
@@ -94,7 +151,7 @@ def write_orbit(
             if progress is not None:
                 progress((index + 1) / frames)
 
-    timing = Timing((FRAME_MILLISECONDS,) * frames)
+    timing = Timing((FRAME_MILLISECONDS,) * frames, loops)
     with atomic_write(path) as file:  # first of all: a place that cannot be written to costs no painting
         if suffix == ".gif":
             samples = range(0, frames, max(1, frames // _PALETTE_SAMPLES))
@@ -202,13 +259,15 @@ def _opaque_colors(image: Image.Image) -> np.ndarray[tuple[int, ...], np.dtype[n
 def _encode_gif(pictures: Iterator[Image.Image], palette: Image.Image, timing: Timing) -> bytes:
     encoded = io.BytesIO()
     indexed = (_to_palette(picture, palette) for picture in pictures)
+    # What has no count is shown once; browsers take a count of 1 for once more.
+    count = {} if timing.loops == 1 else {"loop": timing.loops}
     next(indexed).save(
         encoded,
         "GIF",
         save_all=True,
         append_images=indexed,
         duration=list(timing.milliseconds),
-        loop=timing.loops,
+        **count,
         disposal=2,  # back to transparent: the outline does not move, but shadows of partial frames would
         transparency=_GIF_COLORS,
         optimize=False,  # or the palette is reordered and the transparent index with it
