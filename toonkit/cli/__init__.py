@@ -157,7 +157,7 @@ def _joined_lights(argv: Sequence[str]) -> list[str]:
         if joined and joined[-1] in ("--light", "--view") and re.match(r"-[\d.]", argument):
             joined[-1] += f"={argument}"
         else:
-            joined.append(f" {argument}" if re.match(r"-[\d.]+,", argument) else argument)
+            joined.append(f" {argument}" if re.match(r"-[\d.][^,]*,", argument) else argument)
     return joined
 
 

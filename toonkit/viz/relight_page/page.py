@@ -18,10 +18,12 @@ from toonkit.viz.choice_cards import ChoiceCards, text_choices
 from toonkit.viz.copy_buttons import CopyButtons
 from toonkit.viz.page_style import THEME, WIDE, after_updates, error_reporter, heading
 from toonkit.viz.relight_page.analyses import prepare_sample
+from toonkit.viz.relight_page.animation import animation_download
+from toonkit.viz.relight_page.busy_line import BusyLine
 from toonkit.viz.relight_page.downloads import analysis_file, normal_map_png, relit_png, session_file
 from toonkit.viz.relight_page.drawing_picker import drawing_picker, tell_light
 from toonkit.viz.relight_page.insight import insight
-from toonkit.viz.relight_page.settings import METHOD_DESCRIPTIONS
+from toonkit.viz.relight_page.settings import METHOD_DESCRIPTIONS, PATH_SETTINGS
 from toonkit.viz.relight_page.snippets import command_snippet, python_snippet
 from toonkit.viz.relight_page.state import RelightState
 from toonkit.viz.relight_page.upload import FileDropper
@@ -49,7 +51,7 @@ def stage(state: RelightState) -> RelightView:
         settled=state.param.settled,
         styles=AS_HIGH_AS_NEEDED,
     )
-    linked = ("new_light", "original_light", "selected")
+    linked = ("new_light", "original_light", "selected", *PATH_SETTINGS)
     view.link(state, bidirectional=True, **{name: name for name in linked})
     view.on_msg(_answer(state))
 
@@ -136,8 +138,8 @@ def _has_flat_materials(analysis: ToonAnalysis | None) -> bool:
     return analysis is not None and bool(analysis.materials.flat.any())
 
 
-def downloads(state: RelightState) -> pn.Column:
-    """Return the download buttons, and those that copy how the picture on screen is made."""
+def downloads(state: RelightState, busy: BusyLine) -> pn.Column:
+    """Return the download buttons, the slow ones as tasks of `busy`, and those that copy how the picture is made."""
     none = state.param.analysis.rx.is_(None)
 
     def session_name(shown: ToonAnalysis | None) -> str:
@@ -170,17 +172,18 @@ def downloads(state: RelightState) -> pn.Column:
         margin=(4, 12, 16, 12),
         **WIDE,
     )
+    buttons.insert(1, animation_download(state, busy))
     return pn.Column(heading("Download"), *buttons, heading("Do it again in code"), copy, **WIDE)
 
 
 def relight_page() -> pmui.Page:
     """Return the page for one visitor, with the first sample on its way."""
     state = RelightState()
-    view, picker = stage(state), drawing_picker(state)
+    view, picker, painting = stage(state), drawing_picker(state), BusyLine()
     page = pmui.Page(
         title="toonkit · relight a drawing",
         main=[pn.Column(view, insight(state), margin=16, styles=AS_HIGH_AS_NEEDED, **WIDE)],
-        sidebar=[picker, method_picker(state), light_controls(state), downloads(state)],
+        sidebar=[picker, method_picker(state), light_controls(state), downloads(state, painting)],
         sidebar_width=300,
         sidebar_resizable=False,
         theme="dark",
@@ -195,7 +198,7 @@ def relight_page() -> pmui.Page:
 
     pn.state.onload(first_picture)
     droppers = picker.select(FileDropper)
-    free_when_left(page, state.close, view.close, *(dropper.close for dropper in droppers))
+    free_when_left(page, state.close, view.close, painting.close, *(dropper.close for dropper in droppers))
     return page
 
 

@@ -14,8 +14,8 @@ _PAINTING = (
 )
 
 EDITOR = (
-    *_PAINTING, "label_map.js", "ramp_editor.js", "materials_editor.js", "shape_map.js", "tilt_ball.js", "shape_editor.js",
-    "shortcuts.js", "view_style.js", "shape_style.js", "view.js",
+    *_PAINTING, "light_path.js", "label_map.js", "ramp_editor.js", "materials_editor.js", "shape_map.js", "tilt_ball.js",
+    "shape_editor.js", "shortcuts.js", "view_style.js", "shape_style.js", "view.js",
 )  # fmt: skip
 """What the relight page needs, in order: a module that imports others would have to be served from somewhere."""
 

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
+from typing import Any
+
 import param
 
 import toonkit
 from toonkit import ToonAnalysis, ToonImage
 from toonkit.model.light import OPENING_LIGHT
 from toonkit.model.luminance import color_of_hex
+from toonkit.relighting import RelightOptions
 from toonkit.viz.relight_page.corrections import Look
+from toonkit.viz.relight_page.key_lights import LightPathSettings
 
 METHOD_DESCRIPTIONS = {
     "toonkit": ("toonkit", "Recommended: knows shapes, keeps the colors"),
@@ -21,14 +26,20 @@ METHOD_DESCRIPTIONS = {
 
 DEFAULT_METHOD = "toonkit"
 
+PATH_SETTINGS = ("key_lights", "path_seconds", "path_loops")
+"""What describes the path of the new light."""
+
+ANIMATION_SUFFIXES = (".gif", ".webp", ".apng")
+"""Formats of animations to choose from."""
+
 SETTINGS = (
-    "new_light", "original_light", "method", "keep_detail", "flat_shading", "light_color", "ambient"
+    "new_light", "original_light", "method", "keep_detail", "flat_shading", "light_color", "ambient", *PATH_SETTINGS
 )  # fmt: skip
 """What is undone and done again beside corrections of the materials."""
 
 
-class RelightSettings(param.Parameterized):
-    """A method, two lights, and what else `toonkit.relight` is told."""
+class RelightSettings(LightPathSettings):
+    """A method, two lights, what else `toonkit.relight` is told, and a path for the new light."""
 
     method = param.String(DEFAULT_METHOD, doc="Name of the estimator in METHODS.")
     original_light = param.List(
@@ -42,29 +53,41 @@ class RelightSettings(param.Parameterized):
     light_color = param.Color("#ffffff", allow_named=False, doc="Color of the new light.")
     ambient = param.Number(0.0, bounds=(0, 1), doc="How much light comes from all sides.")
 
+    animation_suffix = param.Selector(
+        default=".gif", objects=list(ANIMATION_SUFFIXES), doc="Format of the animation to download."
+    )
+
     @property
     def look(self) -> Look:
         """The settings, as something to compare."""
-        values = ((name, getattr(self, name)) for name in SETTINGS)
-        return tuple(
-            (name, tuple(round(angle, 3) for angle in value) if isinstance(value, list) else value)
-            for name, value in values
-        )
+        return tuple((name, _comparable(getattr(self, name))) for name in SETTINGS)
 
     def take(self, look: Look) -> None:
         """Change the settings to those of another look, all at once."""
         different = dict(set(look) - set(self.look))
-        self.param.update(
-            **{name: list(value) if isinstance(value, tuple) else value for name, value in different.items()}
-        )
+        self.param.update(**{name: _editable(value) for name, value in different.items()})
 
     def relight(self, analysis: ToonAnalysis) -> ToonImage:
         """Return an analyzed picture under the new light."""
-        return toonkit.relight(
-            analysis,
-            self.new_light,
-            keep_detail=self.keep_detail,
-            flat_shading=self.flat_shading,
-            light_color=color_of_hex(self.light_color),
-            ambient=self.ambient,
-        )
+        return toonkit.relight(analysis, self.new_light, **self.relight_options)
+
+    @property
+    def relight_options(self) -> RelightOptions:
+        """What `toonkit.relight` is told beside the light."""
+        return {
+            "keep_detail": self.keep_detail,
+            "flat_shading": self.flat_shading,
+            "light_color": color_of_hex(self.light_color),
+            "ambient": self.ambient,
+        }
+
+
+def _comparable(value: Any) -> Hashable:
+    """Return a setting with its lists as tuples, and angles rounded."""
+    if isinstance(value, list | tuple):
+        return tuple(round(part, 3) if isinstance(part, float) else _comparable(part) for part in value)
+    return value  # type: ignore[no-any-return]
+
+
+def _editable(value: Any) -> Any:
+    return [_editable(part) for part in value] if isinstance(value, tuple) else value

@@ -8,7 +8,7 @@ const SHORTCUTS = [
   ["C", "Compare: as drawn left of a divider, relit right of it"],
   ["+ - 0", "Magnify both pictures, or fit them; so do Ctrl + wheel and a pinch"],
   ["Space", "Held: drag a magnified picture"],
-  ["Esc", "Put the tool down, then the material"], ["Delete", "On a step of a ramp: remove it"],
+  ["Esc", "Put the tool down, then the material"], ["Delete", "On a step of a ramp, or a key light: remove it"],
 ]
 
 // `actions` has a function for each key; those of letters are not called while Ctrl is down.

@@ -55,7 +55,9 @@ class Recipe:
     ramps : dict of int to ToneRamp, or None
         Other ramps for its materials; None if they are as in the file.
     output : str
-        The file to write.
+        The picture to write.
+    animation : str
+        The animation to write, if the light travels.
     """
 
     source: str
@@ -65,6 +67,7 @@ class Recipe:
     method: str
     ramps: dict[int, ToneRamp] | None
     output: str
+    animation: str
 
 
 def python_snippet(state: RelightState) -> Snippet:
@@ -85,12 +88,19 @@ def python_snippet(state: RelightState) -> Snippet:
     else:
         light = "" if recipe.light is None else f", ({_angles(recipe.light, ', ')})"
         analysis = f"toonkit.analyze({recipe.source!r}{light}, method={recipe.method!r})"
-    lines = ["import toonkit", "", f"analysis = {analysis}"]
+    lines = ["import toonkit"]
+    if state.travels:
+        lines.append("from toonkit.export.animation import write_light_path")
+    lines += ["", f"analysis = {analysis}"]
     if recipe.ramps is not None:
         ramps = "".join(f"\n    {place}: toonkit.{ramp!r}," for place, ramp in recipe.ramps.items())
         lines.append(f"analysis = analysis.recolored({{{ramps}{ramps and chr(10)}}})")
     lines.append(f"relit = toonkit.relight(analysis, ({_angles(state.new_light, ', ')}){told})")
     lines.append(f"relit.save({recipe.output!r})")
+    if state.travels:
+        lights = ", ".join(f"({_angles(light, ', ')})" for light in state.key_lights)
+        way = f"frames={state.path_frames}" + ("" if state.path_loops else ", loop=False")
+        lines.append(f"write_light_path(analysis, {recipe.animation!r}, [{lights}], {way}{told})")
     return Snippet("\n".join(lines) + "\n", recipe.note)
 
 
@@ -113,6 +123,11 @@ def command_snippet(state: RelightState) -> Snippet:
     model_only = [] if state.keep_detail else ["--model-only"]
     light = f"--light={_angles(state.new_light, ',')}"
     commands.append(["toonkit", "relight", analysis, light, *told, *model_only, "-o", recipe.output])
+    if state.travels:
+        lights = [_angles(light, ",") for light in state.key_lights]
+        way = ["--frames", str(state.path_frames), *([] if state.path_loops else ["--once"])]
+        orbit = ["--orbit", recipe.animation, "--through", *lights, *way]
+        commands.append(["toonkit", "relight", analysis, *orbit, *told, *model_only])
     return Snippet(" &&\n".join(map(shlex.join, commands)) + "\n", recipe.note)
 
 
@@ -140,6 +155,7 @@ def _recipe(state: RelightState, *, with_ramps: bool) -> Recipe:
         method=analysis.method,
         ramps=recolored,
         output=_safe(f"{stem}_relit.png"),
+        animation=_safe(f"{stem}_relit{state.animation_suffix}"),
     )
 
 

@@ -23,7 +23,7 @@ from toonkit.viz.relight_page.corrections import MaterialCorrections
 from toonkit.viz.relight_page.material_actions import MaterialActions
 from toonkit.viz.relight_page.opening import OnScreen, Opened, check_file, open_file, open_sample
 from toonkit.viz.relight_page.session_file import SavedWork, is_saved_work
-from toonkit.viz.relight_page.settings import SETTINGS, RelightSettings
+from toonkit.viz.relight_page.settings import PATH_SETTINGS, SETTINGS, RelightSettings
 from toonkit.viz.relight_page.shape_actions import ShapeActions
 from toonkit.viz.relight_page.shape_marks import ShapeMarks
 from toonkit.viz.turns import TURNS
@@ -32,7 +32,8 @@ KEPT_CORRECTIONS = 12
 """Drawings of which a visitor's corrections are kept, for coming back to them."""
 
 STEP_SECONDS = 0.8
-"""Pause after which a change of the same setting is a step of its own: a drag is undone as a whole."""
+"""Pause after which a change of the same setting is a step of its own: a drag is undone as a whole. What changes the path of
+the light is always one, for it is no drag."""
 
 Result = TypeVar("Result")
 
@@ -244,7 +245,8 @@ class RelightState(RelightSettings, MaterialActions, ShapeActions):
         if not changed:
             return
         (before, then), now = self._changing, time.monotonic()
-        self.corrections.change_look(look, again=changed == before and now - then < STEP_SECONDS)
+        dragged = changed == before and now - then < STEP_SECONDS and changed.isdisjoint(PATH_SETTINGS)
+        self.corrections.change_look(look, again=dragged)
         self._changing = changed, now
         self._show_corrections()
 

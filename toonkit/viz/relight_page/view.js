@@ -42,21 +42,25 @@ function render({model}) {
   })
   const relit = lightCard(root, {
     name: "relit", title: "Relit", hint: "Drag the picture or the ball to move the light", angles: light, frame,
-    onMove: (next) => { circle.stop(); move(next) },
+    onMove: (next) => { halt(); move(next) },
     onRelease: send,
   })
   drawing.button("Estimate", "Estimate the light from the drawing", () => model.send_msg({action: "estimate"}))
-  const circle = orbit(relit, () => light, move, send)
+  const circle = orbit(relit, () => light, (next) => { path.stop(); move(next) }, send)
   relit.button("Reset to original", "Put the light back where the artist had it", () => {
-    circle.stop()
+    halt()
     move([...original])
     send()
   })
+  function halt() {
+    circle.stop()
+    path.stop()
+  }
 
   // ---- undo and redo, of the light as well
   function travel(button, action) {
     if (editor.drawing || shaper.drawing) { return false }
-    circle.stop()
+    halt()
     for (const card of [drawing, relit]) { card.settle() }  // a key that is let go of later would move the light again
     if (timer !== null) { send() }  // what was moved a moment ago can be undone, too
     if (button.disabled) { return false }
@@ -140,6 +144,7 @@ function render({model}) {
     if (materials.length !== 8 * rows.length) { return }
     shader?.recolor(rows.some((ramp) => ramp) ? recoloredRows(rows, materials) : null)
     for (const ball of [lightBall, originalBall]) { ball.load(...shownMap(floats(model.color_maps), materials, rows)) }
+    path.paint()
     scheduleAll()
   }
   const allow = () => {
@@ -151,6 +156,18 @@ function render({model}) {
     undo: () => travel(undo, "undo"), redo: () => travel(redo, "redo"), m: () => edit(editor.open ? null : editor), n: () => edit(shaper.open ? null : shaper), c: split.toggle, ...frame.keys,
     ...editor.keys, ...Object.fromEntries(Object.entries(shaper.keys).map(([key, act]) => [key, () => editor.keys[key]?.() || act()])),
   })
+
+  // ---- the path of the light: played without a word to Python
+  const path = lightPath(root, relit, {
+    move, light: () => light, begin: circle.stop, redraw: schedule,
+    letGo: () => send(),
+    preview(next) { light = next; schedule() },
+    ballUnder(angles) { lightBall.draw(direction(angles)); return relit.ball },
+  }, ({keys, seconds, loops}) => {
+    ;[undo.disabled, redo.disabled] = [false, true]
+    Object.assign(model, {key_lights: keys, path_seconds: seconds, path_loops: loops})
+  })
+  const takePath = () => path.load({keys: model.key_lights, seconds: model.path_seconds, loops: model.path_loops})
 
   // ---- progress
   const busy = element(relit.stage, "div", "busy", `<div class="step"></div><div class="track"><div></div></div>`)
@@ -178,6 +195,7 @@ function render({model}) {
     scheduled = false
     relit.show(light)
     lightBall.draw(direction(light))
+    path.compare()
     if (originalMoved) {  // it stands still while the new light is dragged: not worth a redraw then
       drawing.show(original)
       originalBall.draw(direction(original))
@@ -221,7 +239,8 @@ function render({model}) {
 
   // A light set in Python, for instance after "estimate"
   model.on("change:original_light", () => { original = [...model.original_light]; scheduleAll() })
-  model.on("change:new_light", () => { if (timer === null && !circle.on) { light = [...model.new_light]; schedule() } })
+  model.on("change:new_light", () => { if (timer === null && !circle.on && !path.on) { light = [...model.new_light]; schedule() } })
+  for (const name of ["key_lights", "path_seconds", "path_loops"]) { model.on(`change:${name}`, () => setTimeout(takePath)) }
   for (const name of LOOKS) { model.on(`change:${name}`, schedule) }
   for (const name of ["step", "fraction"]) { model.on(`change:${name}`, showProgress) }
   model.on("change:idle", () => busy.classList.remove("on"))
@@ -247,7 +266,7 @@ function render({model}) {
   resized.observe(root)
   shader?.onRestored(schedule)
   model.on("remove", () => {
-    circle.stop()
+    halt()
     clearTimeout(timer)
     resized.disconnect()
     keys.remove()
@@ -255,6 +274,7 @@ function render({model}) {
   })
   showProgress()
   allow()
+  takePath()
   edit(null)
   reload()
   schedule()

@@ -24,6 +24,7 @@ from toonkit.model.luminance import color_of_hex
 from toonkit.model.tone_ramp import ToneRamp
 from toonkit.relighting import DETAIL_RANGE, DETAIL_SIZE, FULL_TURN, HIGHLIGHT_RANGE, relight
 from toonkit.viz.relight_page.codes import MARKS, materials_of, numbers_in
+from toonkit.viz.relight_page.key_lights import LightPathSettings
 from toonkit.viz.relight_page.scripts import EDITOR, joined
 from toonkit.viz.relight_page.shape_marks import NOTHING_SAID, ShapeMarks
 from toonkit.viz.relight_page.textures import describe_picture, encode_textures
@@ -38,7 +39,7 @@ TEXTURES = ("color", "normals", "parts", "mixtures", "color_maps", "materials", 
 """Parameters that hold what `RelightTextures` describes."""
 
 
-class RelightView(pn.custom.JSComponent):
+class RelightView(LightPathSettings, pn.custom.JSComponent):
     """
     The picture as drawn and as relit, with light balls and sliders.
 
