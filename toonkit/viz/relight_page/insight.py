@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import weakref
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import panel as pn
 import panel_material_ui as pmui
@@ -15,6 +15,9 @@ from toonkit.viz.choice_cards import ChoiceCards
 from toonkit.viz.page_style import WIDE, note
 from toonkit.viz.relight_page.height_view import HeightView, encode_surface
 from toonkit.viz.relight_page.state import RelightState
+
+if TYPE_CHECKING:
+    from toonkit.viz.relight_page.views import LinkedViews
 
 PICTURE_FIRST_SECONDS = 0.4
 TabMaker = Callable[[ToonAnalysis], Any]
@@ -80,22 +83,52 @@ def _fill(box: pn.Column, text: str, pane: pn.viewable.Viewable) -> None:
     box[:] = [note(text), pane]
 
 
-TABS = {"Color map": _color_map_tab, "Normal map": _normal_map_tab, "Shape in 3-D": _shape_tab}
+class ViewsTab:
+    """The tab of linked views, which keeps its pictures, and a comparison, from one analysis to the next."""
+
+    def __init__(self) -> None:
+        self._views: LinkedViews | None = None
+
+    def __call__(self, box: pn.Column, state: RelightState) -> TabMaker:
+        """Return what fills the tab, as of the others."""
+        from toonkit.viz.relight_page.views import LinkedViews  # noqa: PLC0415
+
+        if self._views is None:
+            self._views = LinkedViews(state, active=True)
+            box[:] = [self._views]
+        return self._views.prepare
+
+    def look(self, *, active: bool) -> None:
+        """Let the views follow the light only while they are looked at."""
+        if self._views is not None:
+            self._views.active = active
+
+    def close(self) -> None:
+        """Let go of everything large: the visitor has left."""
+        if self._views is not None:
+            self._views.close()
 
 
-def insight(state: RelightState) -> pmui.Tabs:
+def insight(state: RelightState, views: ViewsTab) -> pmui.Tabs:
     """Return the tabs that show what was recovered; a tab is filled when it is opened."""
-    boxes = [pn.Column(min_height=TAB_SIZE["height"], **WIDE) for _ in TABS]
-    tabs = pmui.Tabs(*zip(TABS, boxes, strict=True), **WIDE)
+    makers: dict[str, Callable[[pn.Column, RelightState], TabMaker]] = {
+        "Color map": _color_map_tab,
+        "Views": views,
+        "Normal map": _normal_map_tab,
+        "Shape in 3-D": _shape_tab,
+    }
+    boxes = [pn.Column(min_height=TAB_SIZE["height"], **WIDE) for _ in makers]
+    tabs = pmui.Tabs(*zip(makers, boxes, strict=True), **WIDE)
     on_screen = pn.rx(False)
     filled: dict[int, weakref.ref[ToonAnalysis]] = {}
 
     async def show(active: int, shown: ToonAnalysis | None, ready: bool) -> None:
+        views.look(active=list(makers)[active] == "Views")
         if shown is None or not ready or (active in filled and filled[active]() is shown):
             return
         filled[active] = weakref.ref(shown)
         await asyncio.sleep(PICTURE_FIRST_SECONDS)
-        make = list(TABS.values())[active](boxes[active], state)
+        make = list(makers.values())[active](boxes[active], state)
         put = await asyncio.to_thread(make, shown)
         if filled[active]() is shown:
             put()

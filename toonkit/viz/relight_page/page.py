@@ -22,7 +22,7 @@ from toonkit.viz.relight_page.animation import animation_download
 from toonkit.viz.relight_page.busy_line import BusyLine
 from toonkit.viz.relight_page.downloads import analysis_file, normal_map_png, relit_png, session_file
 from toonkit.viz.relight_page.drawing_picker import drawing_picker, tell_light
-from toonkit.viz.relight_page.insight import insight
+from toonkit.viz.relight_page.insight import ViewsTab, insight
 from toonkit.viz.relight_page.settings import METHOD_DESCRIPTIONS, PATH_SETTINGS
 from toonkit.viz.relight_page.snippets import command_snippet, python_snippet
 from toonkit.viz.relight_page.state import RelightState
@@ -179,10 +179,10 @@ def downloads(state: RelightState, busy: BusyLine) -> pn.Column:
 def relight_page() -> pmui.Page:
     """Return the page for one visitor, with the first sample on its way."""
     state = RelightState()
-    view, picker, painting = stage(state), drawing_picker(state), BusyLine()
+    view, picker, views, painting = stage(state), drawing_picker(state), ViewsTab(), BusyLine()
     page = pmui.Page(
         title="toonkit · relight a drawing",
-        main=[pn.Column(view, insight(state), margin=16, styles=AS_HIGH_AS_NEEDED, **WIDE)],
+        main=[pn.Column(view, insight(state, views), margin=16, styles=AS_HIGH_AS_NEEDED, **WIDE)],
         sidebar=[picker, method_picker(state), light_controls(state), downloads(state, painting)],
         sidebar_width=300,
         sidebar_resizable=False,
@@ -198,7 +198,9 @@ def relight_page() -> pmui.Page:
 
     pn.state.onload(first_picture)
     droppers = picker.select(FileDropper)
-    free_when_left(page, state.close, view.close, painting.close, *(dropper.close for dropper in droppers))
+    free_when_left(
+        page, state.close, view.close, views.close, painting.close, *(dropper.close for dropper in droppers)
+    )
     return page
 
 

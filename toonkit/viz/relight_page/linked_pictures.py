@@ -1,0 +1,262 @@
+"""Pictures of one size in a grid, panned and zoomed together, with one crosshair over all of them."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from typing import Any
+
+import holoviews as hv
+import holoviews.plotting.bokeh
+import numpy as np
+import panel as pn
+import param
+from bokeh.models import CrosshairTool, PanTool, Range1d, Span, WheelZoomTool
+
+from toonkit.viz.page_style import ACCENT, WIDE
+from toonkit.viz.relight_page.view_pictures import Picture, Window, isophotes, reduced
+
+BACKEND = "bokeh"  # the import of its module above registers it
+
+GRID = {
+    "display": "grid",
+    "grid-template-columns": "repeat(auto-fill, minmax(max(140px, 23%), 1fr))",
+    "gap": "10px",
+}
+"""Up to four pictures side by side, two on a phone."""
+
+NO_SCROLLING = ".scroll-button { display: none; }"
+"""Of a column, whose button to scroll would take a place in the grid."""
+
+ASPECTS = (0.7, 1.6)
+"""Width of a frame for each pixel of its height, at least and at most; pictures of another shape have room beside them."""
+
+CLOSEST = 6.0
+"""Pixels of the picture that a frame shows at least."""
+
+ZOOM_STEP = 2**0.5
+FIRST_WIDTH = 224
+"""Pixels of a frame until the browser tells how wide it is."""
+
+REST_SECONDS = 0.15
+"""Pause after which the pictures are sent as they are looked at."""
+
+READ_SECONDS = 0.05
+"""Between two readings of the pixel under the crosshair."""
+
+
+class LinkedPictures(pn.viewable.Viewer):
+    """
+    A grid of pictures of one drawing.
+
+    Ctrl with the wheel zooms, as everywhere on the page, dragging pans, a double click fits: the browser does so by
+    itself. Python sends no more pixels than the frames have on screen: all of a picture, and on it what is looked at.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Height and width of all pictures, pixels.
+    """
+
+    pixel = param.Tuple(
+        None, length=2, doc="Row and column of the pixel under the crosshair; None before there is one."
+    )
+    moved = param.Integer(0, doc="Grows whenever the pictures are panned or zoomed.")
+    pointed = param.Integer(0, doc="Grows whenever the crosshair is moved.")
+
+    def __init__(self, shape: tuple[int, int], **params: Any) -> None:
+        super().__init__(**params)
+        height, width = self.shape = shape
+        self._aspect = float(np.clip(width / height, *ASPECTS))
+        wide = max(width, height * self._aspect)
+        self._extent = (wide, wide / self._aspect)
+        least = CLOSEST / min(self._extent)
+        self._ranges = tuple(
+            Range1d(min_interval=least * side, max_interval=2 * side) for side in self._extent
+        )
+        self.fit()
+        self._spans = tuple(
+            Span(dimension=dimension, location=np.nan, line_color="white", line_alpha=0.9, line_width=1)
+            for dimension in ("width", "height")
+        )
+        for scale in self._ranges:
+            for end in ("start", "end"):
+                scale.on_change(end, self._note_move)
+        for span in self._spans:
+            span.on_change("location", self._note_pointer)
+        self._reading = False
+        self._sharpness = float(getattr(pn.state.browser_info, "device_pixel_ratio", None) or 1.0)
+        self._frame_width = FIRST_WIDTH
+        self._wholes: dict[str, hv.RGB] = {}
+        self._pictures: dict[str, Picture] = {}
+        self._pipes: dict[str, hv.streams.Pipe] = {}
+        self._cells: dict[str, pn.Column] = {}
+        self._showing = asyncio.Lock()
+        self._grid = pn.Column(styles=GRID, stylesheets=[NO_SCROLLING], margin=(0, 10), **WIDE)
+
+    async def show(self, pictures: Mapping[str, Picture], order: list[str]) -> None:
+        """
+        Show pictures, and none but these: one at a time, so that the page goes on meanwhile.
+
+        Parameters
+        ----------
+        pictures : mapping of str to Picture
+            All pictures that are shown; those that are the same object as before are not sent again.
+        order : list of str
+            Their names as they follow each other.
+        """
+        async with self._showing:
+            before, self._pictures = self._pictures, dict(pictures)
+            for name in list(self._cells):
+                if pictures.get(name) is not before[name]:
+                    self._wholes.pop(name, None)
+                if name not in pictures:
+                    del self._cells[name], self._pipes[name]
+            self._grid[:] = [self._cells[name] for name in order if name in self._cells]
+            for place, name in enumerate(order):
+                if name not in self._cells:
+                    self._add(name)
+                    self._grid.insert(place, self._cells[name])
+                    await asyncio.sleep(0)
+                elif before[name] is not pictures[name]:
+                    self._cells[name][0].object = _title(pictures[name].title)
+                    self._pipes[name].send(self._element(name))
+                    await asyncio.sleep(0)
+
+    def point_at(self, row: int, column: int) -> None:
+        """Put the crosshair on a pixel."""
+        across, down = self._spans
+        across.location, down.location = self.shape[0] - row - 0.5, column + 0.5
+
+    def fit(self) -> None:
+        """Show the whole pictures."""
+        self._look(self.shape[1] / 2, self.shape[0] / 2, 1.0)
+
+    def zoom(self, factor: float) -> None:
+        """Magnify the pictures where they are looked at."""
+        x, y = ((scale.start + scale.end) / 2 for scale in self._ranges)
+        shown = (self._ranges[0].end - self._ranges[0].start) / self._extent[0]
+        self._look(x, y, float(np.clip(shown / factor, CLOSEST / min(self._extent), 1.0)))
+
+    def close(self) -> None:
+        """Let go of the pictures: nobody looks any more."""
+        self._pictures.clear()
+        self._pipes.clear()
+
+    def __panel__(self) -> pn.viewable.Viewable:
+        return self._grid
+
+    def _look(self, x: float, y: float, share: float) -> None:
+        for scale, middle, side in zip(self._ranges, (x, y), self._extent, strict=True):
+            scale.update(start=middle - share * side / 2, end=middle + share * side / 2)
+
+    def _add(self, name: str) -> None:
+        self._pipes[name] = hv.streams.Pipe(data=self._element(name))
+        pane = pn.pane.HoloViews(
+            hv.DynamicMap(_passed, streams=[self._pipes[name]]),
+            styles={"aspect-ratio": f"{self._aspect:.4f}", "flex": "none", "height": "auto"},
+            margin=0,
+            **WIDE,
+            linked_axes=False,
+        )
+        title = pn.pane.HTML(_title(self._pictures[name].title), margin=(0, 0, 3, 0), **WIDE)
+        self._cells[name] = pn.Column(title, pane, margin=0, **WIDE)
+
+    def _note_move(self, attr: str, old: object, new: object) -> None:  # noqa: ARG002  # as Bokeh calls it
+        self.moved += 1
+
+    def _note_width(self, attr: str, old: object, new: int) -> None:  # noqa: ARG002
+        if new > 0 and new != self._frame_width:  # all frames are alike
+            self._frame_width = new
+            self._wholes.clear()
+            self.moved += 1
+
+    def _note_pointer(self, attr: str, old: object, new: object) -> None:  # noqa: ARG002
+        self.pointed += 1
+
+    @property
+    def _window(self) -> Window:
+        """What is looked at."""
+        columns, upward = ((scale.start, scale.end) for scale in self._ranges)
+        rows = self.shape[0] - upward[1], self.shape[0] - upward[0]
+        return Window.around(columns, rows, self.shape, self._sharpness * self._frame_width)
+
+    def _element(self, name: str) -> hv.Overlay:
+        """Return a picture, on it what is looked at of it, and its isophotes if it has some."""
+        picture, window = self._pictures[name], self._window
+        if name not in self._wholes:
+            everywhere = (0.0, self._extent[0]), (0.0, self._extent[1])
+            whole = Window.around(*everywhere, self.shape, self._sharpness * self._frame_width)
+            self._wholes[name] = self._part(picture, whole)
+        layers: list[hv.Element] = [self._wholes[name], self._part(picture, window)]
+        if picture.illumination is not None:
+            places = isophotes(picture.illumination, window)
+            curve = hv.Curve((places[:, 0], self.shape[0] - places[:, 1]), "column", "height")
+            layers.append(curve.opts(color=ACCENT, line_width=1.2, backend=BACKEND))
+        return hv.Overlay(layers).opts(
+            responsive=True,
+            xaxis=None,
+            yaxis=None,
+            toolbar=None,
+            default_tools=[],
+            show_legend=False,
+            border=0,
+            apply_ranges=False,
+            hooks=[self._link],
+            backend=BACKEND,
+        )
+
+    def _part(self, picture: Picture, window: Window) -> hv.RGB:
+        height = self.shape[0]
+        bounds = (window.left, height - window.bottom, window.right, height - window.top)
+        element = hv.RGB(reduced(picture.pixels, window), bounds=bounds, kdims=["column", "height"])
+        return element.opts(apply_ranges=False, backend=BACKEND)
+
+    def _link(self, plot: Any, _: hv.Element) -> None:
+        """Give a figure the ranges and the crosshair of all."""
+        figure = plot.state
+        if figure.x_range is self._ranges[0]:
+            return
+        figure.x_range, figure.y_range = self._ranges
+        plot.handles["x_range"], plot.handles["y_range"] = self._ranges
+        wheel = WheelZoomTool(modifiers={"ctrl": True})
+        figure.add_tools(PanTool(), wheel, CrosshairTool(overlay=self._spans))
+        figure.toolbar.active_scroll = wheel
+        figure.on_event("doubletap", lambda _: self.fit())
+        figure.outline_line_color = None
+        figure.on_change("inner_width", self._note_width)
+
+    @param.depends("moved", watch=True)
+    async def _sharpen(self) -> None:
+        moved = self.moved
+        await asyncio.sleep(REST_SECONDS)
+        if moved != self.moved:
+            return
+        elements = await asyncio.to_thread(lambda: {name: self._element(name) for name in self._pipes})
+        if moved == self.moved:
+            for name, element in elements.items():
+                if name in self._pipes:
+                    self._pipes[name].send(element)
+
+    @param.depends("pointed", watch=True)
+    async def _read(self) -> None:
+        if self._reading:
+            return
+        self._reading = True
+        await asyncio.sleep(READ_SECONDS)
+        self._reading = False
+        across, down = (span.location for span in self._spans)
+        if across is None or down is None or not np.isfinite([across, down]).all():
+            return
+        row, column = int(np.floor(self.shape[0] - across)), int(np.floor(down))
+        if 0 <= row < self.shape[0] and 0 <= column < self.shape[1]:
+            self.pixel = (row, column)
+
+
+def _title(words: str) -> str:
+    return f'<span style="color: var(--panel-on-surface-color); font-size: 12px">{words}</span>'
+
+
+def _passed(data: Any) -> Any:
+    """Show what a stream brings."""
+    return data
