@@ -93,13 +93,14 @@ class LinkedViews(pn.viewable.Viewer):
         self._looks, self._reads = 0, False
         self._pictures: dict[str, Picture] = {}
         self._linked: LinkedPictures | None = None
-        self._place = pn.Column(margin=0, **WIDE)
+        waiting = pmui.LinearProgress(variant="indeterminate", margin=(16, 10), **WIDE)
+        self._place = pn.Column(note("Making the pictures"), waiting, margin=0, **WIDE)
         self._reading = pn.pane.HTML(
             _reading_html(READ_NOTE, 1), stylesheets=[READING_STYLE], margin=(0, 10), **WIDE
         )
         self._column, self._row = (
             pmui.IntInput(
-                label=label, value=0, start=0, size="small", width=104, margin=(4, 4), disabled=True
+                label=label, value=0, start=0, format="0", size="small", width=116, margin=(4, 4), disabled=True
             )
             for label in ("Column", "Row")
         )
