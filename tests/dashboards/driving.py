@@ -192,6 +192,18 @@ def open_shape(page):
     assert until(page, lambda: np.ptp(surface_pixels(page)[20:-20], axis=(0, 1)).max() > 60)
 
 
+def open_views(page):
+    """Open the tab of linked views, and wait until all of them stand there."""
+    page.get_by_role("tab", name="Views").click()
+    expect(view(page, "Illumination after refinement")).to_be_visible()
+
+
+def view(page, title):
+    """The linked view below a title."""
+    cell = page.locator(".bk-panel-models-layout-Column").filter(has=page.get_by_text(title, exact=True)).last
+    return cell.locator(".bk-Figure")
+
+
 def wait_until_relit(page):
     """Wait until the relight page has opened with its first sample; both pictures of it."""
     page.wait_for_selector(".relight:not(.empty)", timeout=START_SECONDS * 1000)

@@ -10,6 +10,7 @@ from tests.dashboards.conftest import wait_until_all_have_left
 from tests.dashboards.driving import (
     START_SECONDS,
     open_shape,
+    open_views,
     show_first_choices,
     show_first_sample,
     upload_ball,
@@ -43,6 +44,7 @@ def all_have_left(request, browser, relight_tab, relight_url, study_tab, study_u
             wait_until_relit(page)
             upload_ball(page, SIDE)
             open_shape(page)
+            open_views(page)
     with study_tab.lent(failures, show_first_choices):
         pass
     study_tab.leave()

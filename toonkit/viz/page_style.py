@@ -70,3 +70,32 @@ async def after_updates(follow: Callable[[], object]) -> None:
     for pause in UNSENT_SECONDS:
         await asyncio.sleep(pause)
         follow()
+
+
+class Insistence:
+    """
+    What sees to it that updates arrive, by `after_updates`: called again, it starts anew.
+
+    Parameters
+    ----------
+    component : Viewable
+        A component of the page, which it tags: nothing of that is seen.
+    """
+
+    def __init__(self, component: pn.viewable.Viewable) -> None:
+        self._component, self._count = component, 0
+        self._following: asyncio.Future[None] | None = None
+
+    def __call__(self) -> None:
+        """Follow the updates that were made just now."""
+        self.end()
+        self._following = asyncio.ensure_future(after_updates(self._tag))
+
+    def end(self) -> None:
+        """Follow no longer."""
+        if self._following is not None:
+            self._following.cancel()
+
+    def _tag(self) -> None:
+        self._count += 1
+        self._component.tags = [self._count]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -10,7 +9,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from toonkit.viz.latest_task import LatestTask, TaskReport
-from toonkit.viz.page_style import WIDE, after_updates, note
+from toonkit.viz.page_style import WIDE, Insistence, note
 from toonkit.viz.turns import TURNS
 
 Result = TypeVar("Result")
@@ -40,12 +39,14 @@ class BusyLine(pn.viewable.Viewer):
             **WIDE,
         )
 
+        self._insist = Insistence(self._line)
+
     async def run(self, step: str, task: Callable[[TaskReport], Result]) -> Result | None:
         """Run a task in a thread that may wait for its turn: see `LatestTask.run`."""
         try:
             return await self._task.run(step, task, threads=TURNS.threads)
         finally:
-            self._hiding = asyncio.ensure_future(after_updates(lambda: self._line.param.trigger("visible")))
+            self._insist()
 
     def cancel(self) -> None:
         """End the task under way, if there is one."""
@@ -54,6 +55,7 @@ class BusyLine(pn.viewable.Viewer):
     def close(self) -> None:
         """End it as if a newer one had begun: the visitor has left."""
         self._task.overtake()
+        self._insist.end()
 
     def _show(self, step: str, fraction: float) -> None:
         if step:

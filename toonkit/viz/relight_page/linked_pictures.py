@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+import weakref
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import holoviews as hv
@@ -13,7 +14,7 @@ import panel as pn
 import param
 from bokeh.models import CrosshairTool, PanTool, Range1d, Span, WheelZoomTool
 
-from toonkit.viz.page_style import ACCENT, WIDE
+from toonkit.viz.page_style import ACCENT, WIDE, Insistence
 from toonkit.viz.relight_page.view_pictures import Picture, Window, isophotes, reduced
 
 BACKEND = "bokeh"  # the import of its module above registers it
@@ -84,6 +85,7 @@ class LinkedPictures(pn.viewable.Viewer):
                 scale.on_change(end, self._note_move)
         for span in self._spans:
             span.on_change("location", self._note_pointer)
+        self._hook = _weakly(self._link)
         self._reading = False
         self._sharpness = float(getattr(pn.state.browser_info, "device_pixel_ratio", None) or 1.0)
         self._frame_width = FIRST_WIDTH
@@ -93,6 +95,8 @@ class LinkedPictures(pn.viewable.Viewer):
         self._cells: dict[str, pn.Column] = {}
         self._showing = asyncio.Lock()
         self._grid = pn.Column(styles=GRID, stylesheets=[NO_SCROLLING], margin=(0, 10), **WIDE)
+
+        self._insist = Insistence(self._grid)
 
     async def show(self, pictures: Mapping[str, Picture], order: list[str]) -> None:
         """
@@ -122,6 +126,7 @@ class LinkedPictures(pn.viewable.Viewer):
                     self._cells[name][0].object = _title(pictures[name].title)
                     self._pipes[name].send(self._element(name))
                     await asyncio.sleep(0)
+        self._insist()
 
     def point_at(self, row: int, column: int) -> None:
         """Put the crosshair on a pixel."""
@@ -140,8 +145,9 @@ class LinkedPictures(pn.viewable.Viewer):
 
     def close(self) -> None:
         """Let go of the pictures: nobody looks any more."""
-        self._pictures.clear()
-        self._pipes.clear()
+        self._insist.end()
+        for kept in (self._pictures, self._wholes, self._pipes, self._cells):
+            kept.clear()
 
     def __panel__(self) -> pn.viewable.Viewable:
         return self._grid
@@ -202,7 +208,7 @@ class LinkedPictures(pn.viewable.Viewer):
             show_legend=False,
             border=0,
             apply_ranges=False,
-            hooks=[self._link],
+            hooks=[self._hook],
             backend=BACKEND,
         )
 
@@ -237,6 +243,7 @@ class LinkedPictures(pn.viewable.Viewer):
             for name, element in elements.items():
                 if name in self._pipes:
                     self._pipes[name].send(element)
+            self._insist()
 
     @param.depends("pointed", watch=True)
     async def _read(self) -> None:
@@ -251,6 +258,19 @@ class LinkedPictures(pn.viewable.Viewer):
         row, column = int(np.floor(self.shape[0] - across)), int(np.floor(down))
         if 0 <= row < self.shape[0] and 0 <= column < self.shape[1]:
             self.pixel = (row, column)
+            self._insist()
+
+
+def _weakly(link: Callable[[Any, hv.Element], None]) -> Callable[[Any, hv.Element], None]:
+    """Return a hook without the pictures: HoloViews keeps it as long as an element, and the pictures keep their elements."""
+    reference = weakref.WeakMethod(link)
+
+    def hook(plot: Any, element: hv.Element) -> None:
+        method = reference()
+        if method is not None:
+            method(plot, element)
+
+    return hook
 
 
 def _title(words: str) -> str:

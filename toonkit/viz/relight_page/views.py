@@ -100,7 +100,14 @@ class LinkedViews(pn.viewable.Viewer):
         )
         self._column, self._row = (
             pmui.IntInput(
-                label=label, value=0, start=0, format="0", size="small", width=116, margin=(4, 4), disabled=True
+                label=label,
+                value=0,
+                start=0,
+                format="0",
+                size="small",
+                width=116,
+                margin=(4, 4),
+                disabled=True,
             )
             for label in ("Column", "Row")
         )
