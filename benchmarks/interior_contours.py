@@ -29,7 +29,8 @@ from toonkit import NormalField, ToonAnalysis, ToonImage, illumination
 from toonkit._validation import FloatArray, as_light
 from toonkit.estimation.inflation import RESIDUAL_TOLERANCE, inflate, silhouette_system
 from toonkit.estimation.islands import join
-from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.estimation.preparation import prepare
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.estimation.shape_prior import correct_shape
 from toonkit.estimation.tone_ranks import ToneRanks
 from toonkit.methods import Method

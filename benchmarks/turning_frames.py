@@ -24,7 +24,7 @@ from scipy.spatial import cKDTree
 
 import toonkit
 from benchmarks.shape_rows import Row
-from toonkit.estimation.preparation import PreparedDrawing
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.frames.analysis import FrameAnalysis
 from toonkit.frames.montage import montage
 from toonkit.metrics import angular_error

@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from toonkit._validation import BoolArray, FloatArray, check_unit_light, of_type, refuse, same_mask
 from toonkit.estimation.color_map_fit import allowed_intervals
 from toonkit.estimation.light_fit import LightEstimate
-from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.estimation.preparation import prepare
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.estimation.shading_ratio import PaintedMaterial
 from toonkit.illustration.palette import Palette, find_palette
 from toonkit.illustration.recoloring import recolor, recolor_materials, texture_share

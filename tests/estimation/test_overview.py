@@ -8,7 +8,8 @@ from benchmarks import resolutions
 from tests.analytic import TWO_TONE, ellipse, painted
 from toonkit import ToonImage
 from toonkit.estimation.overview import LONGEST, Overview
-from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.estimation.preparation import prepare
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.estimation.working_square import WorkingSquare
 
 FROM_ABOVE = np.array([-0.36, 0.8, 0.48])

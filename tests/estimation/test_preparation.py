@@ -17,7 +17,7 @@ from toonkit import (
     light_direction,
     relight,
 )
-from toonkit.estimation import preparation
+from toonkit.estimation import prepared_drawing
 from toonkit.estimation.painted_tones import FLAT, MIXING_REACH, PaintedTones, decoded
 from toonkit.estimation.preparation import prepare
 from toonkit.model.luminance import srgb_to_linear, tone
@@ -60,7 +60,7 @@ def test_an_analysis_keeps_the_prepared_drawing_and_another_light_reuses_it(meth
 @pytest.mark.parametrize("method", list(METHODS))
 def test_an_object_too_large_for_the_memory_is_refused_before_any_work(method, monkeypatch):
     image = soft_ball()
-    monkeypatch.setattr(preparation, "MOST_PIXELS", int(image.mask.sum()) - 1)
+    monkeypatch.setattr(prepared_drawing, "MOST_PIXELS", int(image.mask.sum()) - 1)
     steps = []
     with pytest.raises(
         ToonkitError, match=r"^image must show an object of at most .* reduce the drawing; got 9"

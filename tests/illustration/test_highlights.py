@@ -9,7 +9,8 @@ from scipy import ndimage
 import toonkit
 from tests.illustration.drawings import BLACK, BLUE, GREEN, OVER, RED, Ball, Canvas
 from toonkit import ToonImage
-from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.estimation.preparation import prepare
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.illustration.materials import label_materials
 
 WHITE = (0.99, 0.99, 0.97)

@@ -20,7 +20,8 @@ from toonkit import (
     light_direction,
     relight,
 )
-from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.estimation.preparation import prepare
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.study.color_maps import load_color_maps
 from toonkit.study.rendering import render_shape
 from toonkit.study.shapes import SHAPES

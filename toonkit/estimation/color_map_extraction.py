@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from toonkit._validation import any_array, describe_value, refuse, same_shape
-from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.estimation.preparation import prepare
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.model.color_map import ColorMap
 from toonkit.model.image import ToonImage
 from toonkit.model.luminance import linear_to_srgb, srgb_to_linear, tone

@@ -11,7 +11,8 @@ from scipy import ndimage
 
 from toonkit._validation import FloatArray, as_array, of_type, refuse, same_shape
 from toonkit.estimation.painted_tones import PaintedTones
-from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.estimation.preparation import prepare
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.illustration.flat_shading import derive_shadow
 from toonkit.model.color_map import HALF_STEP, ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage

@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from toonkit.estimation.preparation import PreparedDrawing
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.illustration.enlargement import Enlargement
 from toonkit.illustration.frame import Frame
 from toonkit.illustration.ink import Ink

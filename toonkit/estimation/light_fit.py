@@ -8,7 +8,8 @@ import numpy as np
 
 from toonkit._validation import FloatArray, check_unit_light, is_number, of_type, refuse, same_mask
 from toonkit.estimation.light_prior import LightBelief, believed_light
-from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.estimation.preparation import prepare
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.estimation.shape_prior import misfit
 from toonkit.model.image import ToonImage
 from toonkit.model.light import describe_light, light_direction

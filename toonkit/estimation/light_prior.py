@@ -14,7 +14,8 @@ import numpy as np
 from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.convolution import Array, summary
 from toonkit.estimation.overview import Overview
-from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.estimation.preparation import prepare
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.estimation.tone_ranks import ToneRanks
 from toonkit.estimation.turn import TURNS, Turn
 from toonkit.estimation.weights import read_weights

@@ -22,7 +22,8 @@ from toonkit._validation import BoolArray, FloatArray
 from toonkit.estimation.convolution import Array, Weights, field
 from toonkit.estimation.islands import join_vectors
 from toonkit.estimation.overview import Overview
-from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.estimation.preparation import prepare
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.estimation.tone_ranks import ToneRanks
 from toonkit.estimation.weights import read_weights
 from toonkit.estimation.working_square import SIZE, WorkingSquare

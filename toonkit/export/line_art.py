@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toonkit._validation import of_type
-from toonkit.estimation.preparation import PreparedDrawing
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.model.image import eight_bit
 from toonkit.model.whole_pixels import opaque, put_pixels
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from toonkit._validation import of_type, refuse
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.estimation.preparation import prepare
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.model.image import ToonImage
 from toonkit.model.light import light_angles

@@ -12,7 +12,8 @@ from toonkit._validation import FloatArray, check_callable, of_type, one_of, ref
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.enlarged_drawing import EnlargedDrawing
 from toonkit.estimation.light_fit import assume_light
-from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.estimation.preparation import prepare
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.methods.classical import classical
 from toonkit.methods.lambert import lambert
 from toonkit.methods.lumo import lumo

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from toonkit._validation import FloatArray
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.preparation import PreparedDrawing
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.estimation.refinement import refine_as_printed
 from toonkit.methods.steps import StepProgress, inflate_drawing
 from toonkit.model.color_map import IlluminationInterval

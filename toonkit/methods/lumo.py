@@ -5,7 +5,7 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from toonkit.analysis import ToonAnalysis
-from toonkit.estimation.preparation import PreparedDrawing
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.estimation.refinement import Refinement
 from toonkit.methods.steps import StepProgress, inflate_drawing
 from toonkit.model.image import ToonImage

@@ -12,7 +12,8 @@ from toonkit._validation import FloatArray
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.color_map_fit import allowed_intervals, fit_materials, painted_intervals
 from toonkit.estimation.energy import RefinementOptions, printed_energy
-from toonkit.estimation.preparation import PreparedDrawing, prepare
+from toonkit.estimation.preparation import prepare
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.estimation.refinement import Refinement, build_energies, refine_islands
 from toonkit.model.color_map import ColorMap, IlluminationInterval
 from toonkit.model.image import ToonImage

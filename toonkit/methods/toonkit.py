@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike
 
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.energy import RefinementOptions
-from toonkit.estimation.preparation import PreparedDrawing
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.estimation.shape_prior import correct_shape
 from toonkit.methods.steps import INFLATED, StepProgress, inflate_drawing
 from toonkit.model.image import ToonImage

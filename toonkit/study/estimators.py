@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from toonkit._validation import FloatArray
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.color_map_fit import fit_color_map
-from toonkit.estimation.preparation import PreparedDrawing
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.methods import METHODS, Method
 from toonkit.methods.steps import StepProgress
 from toonkit.model.image import ToonImage

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import toonkit
 from toonkit import ShapeCorrections, ToonAnalysis, ToonImage
-from toonkit.estimation.preparation import PreparedDrawing
+from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.export.packing import pack_normals, unpack_normals
 from toonkit.model.normals import NormalField
 from toonkit.samples import sample_light, sample_path
