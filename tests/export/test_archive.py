@@ -64,6 +64,14 @@ def test_inflated_normals_and_colors_of_any_depth_are_read_back_to_the_last_bit(
     assert np.array_equal(found.initial_normals.compact, analyzed.initial_normals.compact)
 
 
+def test_the_normals_of_an_analysis_are_as_its_archive_holds_them(several, tmp_path):
+    analyzed = analyze(several.image, (130, 45))
+    analyzed.save(tmp_path / "analysis.npz")
+    found = load_analysis(tmp_path / "analysis.npz")
+    assert np.array_equal(found.normals.compact, analyzed.normals.compact)
+    assert np.array_equal(relight(found, (20, 30)).pixels, relight(analyzed, (20, 30)).pixels)
+
+
 def test_an_archive_has_at_most_eight_bytes_a_pixel_of_the_object(tmp_path):
     analyzed = analyze(sample_path("cat"), (130, 42))
     save_analysis(analyzed, tmp_path / "analysis.npz")

@@ -20,11 +20,11 @@ from toonkit._validation import (
 )
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.light_fit import LightEstimate
+from toonkit.estimation.packing import pack_levels, pack_normals, unpack_levels, unpack_normals
 from toonkit.estimation.preparation import prepare
 from toonkit.estimation.prepared_drawing import MOST_PIXELS, PreparedDrawing
 from toonkit.export.atomic import PathLike, atomic_write, suffix_of
 from toonkit.export.npz import Arrays
-from toonkit.export.packing import pack_levels, pack_normals, unpack_levels, unpack_normals
 from toonkit.export.shape_arrays import pack_shape, read_shape
 from toonkit.model.color_map import ColorMap
 from toonkit.model.decoding import MAX_PIXELS

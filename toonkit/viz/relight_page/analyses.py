@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import OrderedDict
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 import toonkit
 from toonkit import ShapeCorrections, ToonAnalysis, ToonImage
 from toonkit.estimation.prepared_drawing import PreparedDrawing
-from toonkit.export.packing import pack_normals, unpack_normals
-from toonkit.model.normals import NormalField
 from toonkit.samples import sample_light, sample_path
 from toonkit.viz.relight_page.codes import LabelVersion
 from toonkit.viz.relight_page.corrections import Marks
@@ -131,19 +129,13 @@ def answer(question: Question, evidence: Evidence, progress: Progress, kept: Kep
             is_plain = question.is_of_drawing_alone and evidence.highlights is None
             if evidence.previous is not None and question.method in STARTING:
                 is_plain = False
-            found = Answer(analysis if is_plain else _as_saved(analysis), is_plain)
+            found = Answer(analysis, is_plain)
             if analysis.image.mask.size > KEPT_PIXELS:
                 return found
             kept[question] = found
             while len(kept) > KEPT_ANALYSES:
                 kept.popitem(last=False)
         return kept[question]
-
-
-def _as_saved(analysis: ToonAnalysis) -> ToonAnalysis:
-    """Return an analysis that only a file can bring back as it comes back, with rounded normals: no pixel changes then."""
-    rounded = unpack_normals(pack_normals(analysis.normals.compact))
-    return replace(analysis, normals=NormalField.of_pixels(rounded, analysis.image.mask))
 
 
 def digest_of(image: ToonImage) -> str:

@@ -52,6 +52,18 @@ def unpack_normals(packed: NDArray[np.uint16]) -> FloatArray:
     return normals
 
 
+def round_normals(normals: FloatArray) -> FloatArray:
+    """Return unit vectors (P, 3), z >= 0, as an archive brings them back: packing these changes no bit."""
+    rounded = np.empty(normals.shape)
+    run_on_chunks(_round, len(normals), normals, rounded)
+    return rounded
+
+
+def _round(normals: FloatArray, rounded: FloatArray, piece: slice) -> None:
+    """Round some normals."""
+    rounded[piece] = unpack_normals(pack_normals(normals[piece]))
+
+
 def _write_levels(values: FloatArray, levels: NDArray[Any], piece: slice) -> bool:
     """Write the levels of some values; tell whether they are these levels to the last bit."""
     top = np.iinfo(levels.dtype).max
