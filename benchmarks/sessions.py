@@ -35,7 +35,7 @@ class MemoryWatch:
     def __init__(self, process: int) -> None:
         self._process = psutil.Process(process)
         self._ended = threading.Event()
-        self.peak = 0.0
+        self.peak = self.before = 0.0
         threading.Thread(target=self._watch, daemon=True).start()
 
     def now(self) -> float:
