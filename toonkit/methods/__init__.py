@@ -12,7 +12,6 @@ from toonkit._validation import FloatArray, check_callable, of_type, one_of, ref
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.enlarged_drawing import EnlargedDrawing
 from toonkit.estimation.light_fit import assume_light
-from toonkit.estimation.packing import round_normals
 from toonkit.estimation.preparation import prepare
 from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.methods.classical import classical
@@ -25,7 +24,6 @@ from toonkit.model.image import ToonImage
 from toonkit.model.layer_loading import load_layers
 from toonkit.model.light import direction_of
 from toonkit.model.materials import Materials
-from toonkit.model.normals import NormalField
 from toonkit.model.shape_corrections import ShapeCorrections
 from toonkit.numerics.parallel import single_threaded_blas
 from toonkit.samples import drawing_path
@@ -193,11 +191,7 @@ def _analyzed(
     if not isinstance(analysis, ToonAnalysis):
         rule = f"must return a ToonAnalysis, as help(toonkit.methods.Method) shows; {method!r} did not"
         raise refuse("method", rule, type(analysis).__name__)
-    if isinstance(drawing, EnlargedDrawing):
-        analysis = _enlarged(analysis, drawing)
-    # As archives hold them: a relit picture does not depend on whether the analysis was saved.
-    rounded = NormalField.of_pixels(round_normals(analysis.normals.compact), drawing.mask)
-    return replace(analysis, normals=rounded)
+    return _enlarged(analysis, drawing) if isinstance(drawing, EnlargedDrawing) else analysis
 
 
 def _enlarged(analysis: ToonAnalysis, drawing: EnlargedDrawing) -> ToonAnalysis:

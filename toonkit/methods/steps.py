@@ -12,6 +12,7 @@ from toonkit._validation import FloatArray
 from toonkit.analysis import ToonAnalysis
 from toonkit.estimation.color_map_fit import allowed_intervals, fit_materials, painted_intervals
 from toonkit.estimation.energy import RefinementOptions, printed_energy
+from toonkit.estimation.packing import round_normals
 from toonkit.estimation.preparation import prepare
 from toonkit.estimation.prepared_drawing import PreparedDrawing
 from toonkit.estimation.refinement import Refinement, build_energies, refine_islands
@@ -107,15 +108,20 @@ class Steps:
             self.progress("refining the normals", FITTED + (1 - FITTED) * fraction)
 
     def finish(self, method: str, refinement: Refinement) -> ToonAnalysis:
-        """Re-estimate the color maps on the refined normals (every method does) and hand everything over."""
-        materials = replace(self.drawing.materials, color_maps=self._fit(refinement.normals))
+        """
+        Re-estimate the color maps on the refined normals (every method does) and hand everything over.
+
+        The normals are rounded as archives hold them, so that a saved analysis relights to the same picture.
+        """
+        normals = NormalField.of_pixels(round_normals(refinement.normals.compact), self.drawing.mask)
+        materials = replace(self.drawing.materials, color_maps=self._fit(normals))
         if self.progress is not None:
             self.progress("done", 1.0)
         return ToonAnalysis(
             image=self.drawing.image,
             method=method,
             light=self.light,
-            normals=refinement.normals,
+            normals=normals,
             initial_normals=self.initial_normals,
             materials=materials,
             report=refinement.report,
