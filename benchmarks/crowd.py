@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-import csv
 import shutil
 import time
 from io import BytesIO
@@ -24,7 +23,7 @@ from PIL import Image
 from playwright.async_api import Browser, Page, async_playwright
 
 from benchmarks.relight_page import CHROMIUM_FLAGS, served_page
-from benchmarks.sessions import AFTER_SECONDS, WANTED_SHARE, MemoryWatch
+from benchmarks.sessions import AFTER_SECONDS, WANTED_SHARE, MemoryWatch, report
 
 VISITORS, SECONDS, SIZE = 8, 120, 512
 WANTED_SECONDS = 4.0
@@ -180,14 +179,7 @@ def main() -> None:
         "left_share": round(after / memory.before - 1, 3),
         "wanted_share": WANTED_SHARE,
     }
-    for name, value in row.items():
-        print(f"{name:16} {value}")
-    if options.output:
-        options.output.mkdir(parents=True, exist_ok=True)
-        with (options.output / CSV_NAME).open("w", newline="") as file:
-            writer = csv.DictWriter(file, row, lineterminator="\n")
-            writer.writeheader()
-            writer.writerow(row)
+    report(row, options.output and options.output / CSV_NAME)
 
 
 if __name__ == "__main__":

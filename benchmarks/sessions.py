@@ -75,6 +75,18 @@ def drop(page: Page, content: bytes, size: int) -> None:
     page.wait_for_timeout(2000)  # the tab below the pictures is filled, too
 
 
+def report(row: dict[str, float], path: Path | None) -> None:
+    """Print what was measured, and write it as a table of one row if there is a path."""
+    for name, value in row.items():
+        print(f"{name:16} {value}")
+    if path is not None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("w", newline="") as file:
+            writer = csv.DictWriter(file, row, lineterminator="\n")
+            writer.writeheader()
+            writer.writerow(row)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -104,14 +116,7 @@ def main() -> None:
         "left_share": round(after / before - 1, 3),
         "wanted_share": WANTED_SHARE,
     }
-    for name, value in row.items():
-        print(f"{name:16} {value}")
-    if options.output:
-        options.output.mkdir(parents=True, exist_ok=True)
-        with (options.output / CSV_NAME).open("w", newline="") as file:
-            writer = csv.DictWriter(file, row, lineterminator="\n")
-            writer.writeheader()
-            writer.writerow(row)
+    report(row, options.output and options.output / CSV_NAME)
 
 
 if __name__ == "__main__":
