@@ -30,7 +30,7 @@ HIGHLIGHT_RANGE = 0.2
 """Change of illumination over which a highlight fades."""
 
 LEAST_BASE = 0.05
-"""Smallest sRGB channel of a base color that shades are relative to."""
+"""Least sRGB channel by which a shade is divided: a darker base color counts as this."""
 
 FULL_TURN = np.deg2rad(12.0)
 """Light rotation, in radians, beyond which flat materials show their full derived shading."""
@@ -346,7 +346,7 @@ def _paint(  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _shaded(painted, base, shade, strength):  # type: ignore[no-untyped-def]
-    """Return a channel of a flat material, painted with more than its base color, where that changes to a shade of it."""
+    """Return a channel of a flat material's paint, which changes in proportion as its base color changes to a shade."""
     return min(max(painted * (1.0 + strength * (shade - base) / max(base, LEAST_BASE)), 0.0), 1.0)
 
 

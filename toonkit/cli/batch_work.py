@@ -59,8 +59,8 @@ def analyzed_in_processes(items: Sequence[BatchItem], workers: int) -> Outcomes:
     """
     Analyze drawings in processes on this machine; outcomes come in the order in which they are done.
 
-    Where a process ends, those that were handed over by then are analyzed again, each in a process of its own: so only a
-    drawing that ends its process fails.
+    If a process dies, the drawings that were handed over by then are analyzed again, each in a process of its own, so that
+    only a drawing that kills its process fails.
     """
     waiting = deque(items)
     while waiting:

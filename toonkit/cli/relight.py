@@ -77,7 +77,7 @@ def _add_animation_options(relight: argparse.ArgumentParser) -> None:
         "--through",
         nargs="+",
         metavar="AZ,EL",
-        help="two or more lights that the light of the animation goes through and back to the first, instead of circling",
+        help="two or more lights; the light of the animation moves through them and back to the first, instead of circling",
     )
     relight.add_argument(
         "--once",
@@ -85,7 +85,7 @@ def _add_animation_options(relight: argparse.ArgumentParser) -> None:
         help="with --through: stop at the last light, and show the animation once",
     )
     relight.add_argument(
-        "--frames", type=int, default=36, metavar="N", help="frames of the animation (default: 36)"
+        "--frames", type=int, default=36, metavar="N", help="frames of the animation, 2 to 720 (default: 36)"
     )
     relight.add_argument(
         "--elevation", type=float, metavar="EL", help="elevation of the circling light, in degrees, -90 to 90"

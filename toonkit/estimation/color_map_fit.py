@@ -25,7 +25,7 @@ SAMPLES = 1024
 """Samples of a fitted map. A hard step between two bands is blurred over at most 1/500 of illumination."""
 
 PULSE = 25
-"""A color that comes and goes within fewer samples is a pulse: 2.5 % of the map."""
+"""A color that comes and goes within fewer samples is a pulse: 2.4 % of the map."""
 
 TYPICAL = (0.03, 0.97)
 """Shares of a material's pixels, from dark to bright, at which its color map ends. The colors beyond may belong to
@@ -165,7 +165,7 @@ def allowed_intervals(drawing: PreparedDrawing, color_maps: Sequence[ColorMap]) 
     """
     Range of illumination (P,) that each pixel allows, given its material's color map.
 
-    It is all of [-1, 1] where that is flat, and under ink and highlights, which hide how the paint is lit.
+    It is all of [-1, 1] where the material is flat, and under ink and highlights, which hide how the paint is lit.
     """
     lower, upper = np.full(drawing.grid.size, -1.0), np.full(drawing.grid.size, 1.0)
     for material, color_map in zip(drawing.painted_materials, color_maps, strict=True):

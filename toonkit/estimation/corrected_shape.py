@@ -1,9 +1,9 @@
 """
-Normals with the corrections of a person, before the energy does its work.
+Normals with a person's corrections, from which the refinement starts.
 
-The refinement measures the change of the normals from those that are made here, and is held to them where a person has said
-something. So a correction is a soft constraint: in the middle of a part, to miss it by some angle costs `HOLD` times as much
-as to miss by the same amount the illumination that the painted color allows.
+The refinement measures the change of the normals from those that are made here, and is held to them where a person has
+corrected something. So a correction is a soft constraint: in the middle of a part, missing it by some angle costs `HOLD`
+times as much as missing the illumination that the painted color allows by the same amount.
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ STEEPEST = 0.8
 """Sine of the steepest tilt that a bulge adds, 53 degrees."""
 
 FEATHER = 0.25
-"""Share of the half width of a flat part over which it passes into what is around it."""
+"""Share of the half width of a flat part over which it blends into its surroundings."""
 
 FRONT_POWER = 2
 """How quickly a part in front turns away toward its border: the power of the relative distance from its middle."""
 
 TOLERANCE = 1e-3
-"""Relative residual at which a part is smooth enough."""
+"""Relative residual at which the solution of a part's Poisson equation is accurate enough."""
 
 EIGHT = np.ones((3, 3), np.bool_)
-"""Pixels that touch at a corner are of one part."""
+"""Structuring element for which pixels that touch at a corner belong to one part."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ class CorrectedNormals:
     vectors : ndarray, shape (P, 3)
         Unit normals.
     hold : ndarray, shape (P,)
-        How firmly each is held, relative to the weight of a painted color; 0 where nothing is said.
+        How firmly each is held, relative to the weight of a painted color, 0 to `HOLD`; 0 where nothing is corrected.
     """
 
     vectors: FloatArray
@@ -64,7 +64,7 @@ def correct_normals(
     Parameters
     ----------
     corrections : ShapeCorrections
-        What is asked for; on the object's pixels alone.
+        What is asked for, restricted to the object's pixels: see `ShapeCorrections.on`.
     grid : MaskedGrid
         The object on its bounding box.
     box : (slice, slice)
@@ -75,8 +75,8 @@ def correct_normals(
     Returns
     -------
     CorrectedNormals
-        First the parts are corrected, those in front before those that bulge or are flat, then the normals at points turn
-        what is around them.
+        First the parts are corrected: those in front, then those that bulge, then those that are flat. Then each hint turns
+        the normals around its point.
     """
     field, hold = grid.scatter(vectors, 0.0), np.zeros(grid.mask.shape)
     for name, correct in (("in_front", _turn_away), ("bulge", _bulge), ("flat", _flatten)):
@@ -93,16 +93,16 @@ def correct_normals(
 @dataclass(frozen=True, eq=False)
 class _Part:
     """
-    A connected part of a region, on its bounding box and the pixels around that, as far as the object reaches.
+    A connected part of a region, on its bounding box and a margin of one pixel, as far as the object's box reaches.
 
     Attributes
     ----------
     box : (slice, slice)
-        Where that is on the object's box.
+        Rows and columns of that area in the object's box.
     grid : MaskedGrid
-        Its pixels.
+        The part's pixels.
     on_object : ndarray of bool, shape (h, w)
-        The object's pixels.
+        The object's pixels in that area.
     """
 
     box: Box
@@ -110,20 +110,20 @@ class _Part:
     on_object: BoolArray
 
     def system(self) -> ScreenedPoisson:
-        """Return the Poisson equation with given values beside the part."""
+        """Return the Poisson equation of the part, whose values beside the part are given."""
         beside = np.count_nonzero(self.grid.neighbors == OUTSIDE, axis=1)
         return ScreenedPoisson(self.grid, uniform_edge_weights(self.grid), beside.astype(np.float64))
 
     def dome(self) -> NDArray[np.complex128]:
         """
-        Return which way, x + i y, the part's surface falls off if it is a dome, shape (p,).
+        Return the direction, x + i y, in which the part's surface would fall off if it were a dome, shape (p,).
 
-        Its length grows from 0 in the middle to 1 at the border, however wide the part is there.
+        The length of that number grows from 0 in the middle of the part to 1 at its border, however wide the part is there.
 
         Notes
         -----
-        With phi = 0 at the border and a Laplacian of -1, |∇phi| / sqrt(|∇phi|² + 2 phi) is the relative distance from the
-        middle of a strip, exactly, and about that elsewhere.
+        With phi = 0 at the border and a Laplacian of -1, |∇phi| / sqrt(|∇phi|² + 2 phi) is exactly the relative
+        distance from the middle in a strip, and approximately so elsewhere.
         """
         height, _ = solve_screened_poisson(self.system(), np.ones(self.grid.size), tolerance=TOLERANCE)
         height = np.maximum(height, 0.0)
@@ -135,7 +135,7 @@ class _Part:
         return fall
 
     def bridged(self, field: FloatArray) -> FloatArray:
-        """Return the smoothest normals (p, 3) that go on from those around the part, and from its own at the outline."""
+        """Return the smoothest normals (p, 3) that continue those around the part, and its own at the object's outline."""
         system, own = self.system(), self.grid.gather(field)
         framed = np.pad(field[..., 0] + 1j * field[..., 1], 1)
         counts = np.pad(self.on_object, 1)
@@ -158,7 +158,7 @@ class _Part:
         return smooth
 
     def put(self, vectors: FloatArray, firmness: FloatArray, field: FloatArray, hold: FloatArray) -> None:
-        """Write normals (p, 3), made unit length, and how firmly they hold (p,), to those of the object's box."""
+        """Write normals (p, 3), scaled to unit length, and how firmly they hold (p,), to the fields of the object's box."""
         mask = self.grid.mask
         length = np.linalg.norm(vectors, axis=1, keepdims=True)
         vectors = np.where(length > 1e-9, vectors / np.maximum(length, 1e-9), (0.0, 0.0, 1.0))
@@ -167,7 +167,7 @@ class _Part:
 
 
 def _parts(region: BoolArray, on_object: BoolArray) -> list[_Part]:
-    """Cut a region into what is connected; specks say nothing."""
+    """Cut a region into connected parts; parts of fewer than `MIN_OBJECT_PIXELS` pixels are ignored."""
     numbers, _ = ndimage.label(region, EIGHT)
     parts = []
     for number, found in enumerate(ndimage.find_objects(numbers), 1):
@@ -190,7 +190,7 @@ def _turn_away(part: _Part, field: FloatArray, hold: FloatArray) -> None:
 
 
 def _bulge(part: _Part, field: FloatArray, hold: FloatArray) -> None:
-    """Replace a part by a smooth bump on what is around it: level at its border and in its middle, steepest in between."""
+    """Replace a part by a smooth bump on its surroundings: level at its border and in its middle, steepest in between."""
     dome, base = part.dome(), part.bridged(field[part.box])
     tilt = (
         STEEPEST * dome * (1 - np.abs(dome) ** 4) * 5**1.25 / 4
@@ -211,7 +211,7 @@ def _flatten(part: _Part, field: FloatArray, hold: FloatArray) -> None:
 def _turn_at(
     hint: NormalHint, place: tuple[int, int], on_object: BoolArray, field: FloatArray, hold: FloatArray
 ) -> None:
-    """Turn the normal at a point as a hint says, and those around it about the same axis, less and less."""
+    """Turn the normal at a point as a hint says, and those around it about the same axis, less with distance."""
     reach = int(np.ceil(hint.radius))
     box = tuple(
         slice(max(at - reach, 0), min(at + reach + 1, length))
@@ -227,7 +227,7 @@ def _turn_at(
 
 
 def _rotated(vectors: FloatArray, before: FloatArray, after: FloatArray, share: FloatArray) -> FloatArray:
-    """Rotate vectors (n, 3) by shares (n,) of the rotation that takes one to another, but to z >= 0."""
+    """Rotate vectors (n, 3) by shares (n,) of the rotation that takes one normal to another, kept at z >= 0."""
     axis = np.cross(before, after)
     sine = float(np.linalg.norm(axis))
     if sine < 1e-12:

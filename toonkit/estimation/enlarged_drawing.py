@@ -1,4 +1,4 @@
-"""A drawing enlarged by a whole factor, which is analyzed as it was painted: a pixel for each block."""
+"""A drawing enlarged by a whole factor, which is analyzed at the size it was painted at: one pixel for each block."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from toonkit.model.whole_pixels import pixels_at, put_pixels
 
 class EnlargedDrawing(PreparedDrawing):
     """
-    An enlarged drawing. Its ink, materials and mixed pixels are those of the drawing before.
+    An enlarged drawing. Its ink, materials and mixed pixels are those of the drawing before it was enlarged.
 
     Parameters
     ----------
@@ -32,13 +32,13 @@ class EnlargedDrawing(PreparedDrawing):
     enlargement : Enlargement
         How it was enlarged.
     materials, ink, highlights, shape, views
-        As for `PreparedDrawing`. Materials, ink and highlights are the same throughout each block; of the shape counts
-        what is said of the middle of a block.
+        As for `PreparedDrawing`. Materials, ink and highlights must be constant in each block. Parts in the corrections
+        of the shape are read at the middle of each block.
 
     Attributes
     ----------
     reduced : PreparedDrawing
-        The drawing before.
+        The drawing before it was enlarged.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class EnlargedDrawing(PreparedDrawing):
 
     @classmethod
     def of(cls, drawing: PreparedDrawing, enlargement: Enlargement) -> PreparedDrawing:
-        """Return a drawing as an enlarged one, or as it is if something given differs within blocks."""
+        """Return a drawing as an enlarged one, or unchanged if given materials, ink or highlights differ within a block."""
         given = (drawing._given_labels, drawing.given_ink, drawing.given_highlights)
         if any(told is not None and enlargement.reduce(told) is None for told in given):
             return drawing
@@ -98,7 +98,7 @@ class EnlargedDrawing(PreparedDrawing):
         return other
 
     def _reduced_shape(self) -> ShapeCorrections:
-        """Return the corrections of the shape as those of the drawing before."""
+        """Return the corrections of the shape at the size of the reduced drawing."""
         given, factor = self.given_shape, self._enlargement.factor
         if given is None:
             return ShapeCorrections()
@@ -117,7 +117,7 @@ class EnlargedDrawing(PreparedDrawing):
         return ShapeCorrections(**parts, normals=tuple(normals))
 
     def enlarge_normals(self, normals: NormalField) -> NormalField:
-        """Return the normals of the drawing before as normals of this one."""
+        """Return the normals of the reduced drawing as normals of this one."""
         return NormalField.of_pixels(normals.compact[self._enlargement.sources], self.mask)
 
     @cached_property
@@ -173,7 +173,7 @@ class EnlargedDrawing(PreparedDrawing):
         )
 
     def _enlarge(self, framed: NDArray[Any], fill: float) -> NDArray[Any]:
-        """Return values (h, w, ...) on the frame of the drawing before as values on this one's, filled beside the object."""
+        """Enlarge values (h, w, ...) on the reduced drawing's frame to this one's; pixels beside the object get `fill`."""
         values = np.full((*self.frame.mask.shape, *framed.shape[2:]), fill, framed.dtype)
         values[self.frame.mask] = self.reduced.frame.compact(framed)[self._enlargement.sources]
         return values

@@ -48,13 +48,13 @@ class ReducedPaint:
 
     @property
     def factor(self) -> int:
-        """Pixels to a block's side."""
+        """Side of a block, in pixels."""
         return 1 << len(self.steps)
 
 
 class Seen(NamedTuple):
     """
-    What of a drawing is seen on a square, each of shape (SIZE, SIZE) or (SIZE, SIZE, 3), zero beside the object.
+    What a square shows of a drawing, as arrays of shape (SIZE, SIZE) or (SIZE, SIZE, 3), zero beside the object.
 
     Attributes
     ----------

@@ -14,7 +14,7 @@ _NORMAL_STEPS = 32767
 
 
 def pack_levels(values: FloatArray) -> NDArray[Any]:
-    """Return values in [0, 1] as the 8- or 16-bit integers that they are the levels of, or else unchanged."""
+    """Return values in [0, 1] as 8- or 16-bit integers if they are exactly levels of these, or else unchanged."""
     for dtype in (np.uint8, np.uint16):
         levels = np.empty(values.shape, dtype)
         if all(run_on_chunks(_write_levels, len(values), values, levels)):
@@ -23,7 +23,7 @@ def pack_levels(values: FloatArray) -> NDArray[Any]:
 
 
 def unpack_levels(packed: NDArray[Any]) -> FloatArray:
-    """Return what `pack_levels` was given, to the last bit; integers of other sizes are levels, too."""
+    """Return what `pack_levels` was given, to the last bit; unsigned integers of any other size are read as levels, too."""
     if packed.dtype.kind == "u":
         levels: FloatArray = packed / np.float64(np.iinfo(packed.dtype).max)
         return levels
@@ -32,10 +32,10 @@ def unpack_levels(packed: NDArray[Any]) -> FloatArray:
 
 def pack_normals(normals: FloatArray) -> NDArray[np.uint16]:
     """
-    Return unit vectors (P, 3), z >= 0, as two 16-bit integers each, (P, 2), which turns them by less than 0.005 degrees.
+    Return unit vectors (P, 3), z >= 0, as two 16-bit integers each, (P, 2). This turns them by less than 0.005 degrees.
 
-    The hemisphere is projected onto an octahedron, whose upper half is a square in the plane: unlike x and y alone, that is
-    as exact at the rim, where z is small.
+    The hemisphere is projected onto an octahedron, whose upper half is a square in the plane. Unlike x and y alone, this
+    encoding is as exact at the rim, where z is small, as elsewhere.
     """
     packed = np.empty((len(normals), 2), np.uint16)
     run_on_chunks(_project, len(normals), normals, packed)
@@ -43,7 +43,7 @@ def pack_normals(normals: FloatArray) -> NDArray[np.uint16]:
 
 
 def unpack_normals(packed: NDArray[np.uint16]) -> FloatArray:
-    """Return the unit vectors (P, 3) of `pack_normals`; any numbers (P, 2) give such vectors."""
+    """Return the unit vectors (P, 3), z >= 0, of `pack_normals`; any numbers (P, 2) give such vectors."""
     along, across = (packed / _NORMAL_STEPS - 1.0).T
     normals = np.empty((len(packed), 3))
     normals[:, 0], normals[:, 1] = (along + across) / 2, (along - across) / 2
@@ -53,7 +53,7 @@ def unpack_normals(packed: NDArray[np.uint16]) -> FloatArray:
 
 
 def round_normals(normals: FloatArray) -> FloatArray:
-    """Return unit vectors (P, 3), z >= 0, as an archive brings them back: packing these changes no bit."""
+    """Return unit vectors (P, 3), z >= 0, as an archive brings them back: packing them again changes no bit."""
     rounded = np.empty(normals.shape)
     run_on_chunks(_round, len(normals), normals, rounded)
     return rounded
@@ -65,7 +65,7 @@ def _round(normals: FloatArray, rounded: FloatArray, piece: slice) -> None:
 
 
 def _write_levels(values: FloatArray, levels: NDArray[Any], piece: slice) -> bool:
-    """Write the levels of some values; tell whether they are these levels to the last bit."""
+    """Write the levels of some values; return whether the values equal these levels to the last bit."""
     top = np.iinfo(levels.dtype).max
     nearest = np.rint(values[piece] * top)
     levels[piece] = nearest

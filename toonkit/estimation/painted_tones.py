@@ -17,10 +17,10 @@ FLAT = 2.5 / 255
 """Colors of one band differ by less than this: rounding, and a compressor's noise."""
 
 FLAT_NEIGHBORS = 4
-"""Fewest neighbors of its own tone that a pixel of a band has. In a band two pixels wide it is five."""
+"""Fewest neighbors of its own tone that a pixel of a band has. A pixel of a band two pixels wide has five."""
 
 SEAM, FREQUENT = 3, 4
-"""Most steps of an 8-bit channel by which a seam differs from its paint, and how many times more pixels that must have."""
+"""Most steps of an 8-bit channel by which a seam differs from its paint, and how many times as many pixels the paint has."""
 
 EDGE_REACH = 3
 """Distance from an edge, in pixels, within which it has seams."""
@@ -29,7 +29,7 @@ MIXING_REACH = 2
 """An anti-aliased band edge is at most this many pixels away from the bands it mixes."""
 
 LEVELS = 65_536
-"""Number of tones that are distinguished when pixels are sorted: as many as a channel of 16 bits has."""
+"""Number of tones that are distinguished when pixels are sorted: the number of levels of a 16-bit channel."""
 
 _PAIRS = ((0, 1), (1, 0), (1, 1), (1, -1))
 """(row, column) steps to four of a pixel's eight neighbors; the other four see it by the same steps."""
@@ -52,7 +52,7 @@ class OrderedLight:
     sums: FloatArray
 
     def of_darkest(self, pixels: NDArray[np.integer]) -> FloatArray:
-        """Linear light (..., 3) of so many pixels (...), the darkest ones, together."""
+        """Return the summed linear light (..., 3) of the given numbers (...) of darkest pixels."""
         channels = [np.interp(pixels, self.counts, channel) for channel in self.sums.T]
         return np.stack(channels, axis=-1)
 
@@ -65,9 +65,9 @@ class Mixtures:
     Attributes
     ----------
     pixels : ndarray of int, shape (m,)
-        Which they are, ascending.
+        Their indices, ascending.
     nearer, darkest, brightest : ndarray, shape (m,)
-        The nearer tone of the two bands that each mixes, and the tones of the bands that it lies between.
+        The tone of the nearer of the two bands that each mixes, and the tones of the bands that it lies between.
     noise : float
         See `PaintedTones`.
     """
@@ -79,7 +79,7 @@ class Mixtures:
     noise: float
 
     def replaced(self, tone: FloatArray, own: FloatArray) -> FloatArray:
-        """Return the tones (P,) with others (m,) for the mixed pixels."""
+        """Return the tones (P,) with those of the mixed pixels replaced by others (m,)."""
         tones = tone.copy()
         tones[self.pixels] = own
         return tones
@@ -97,11 +97,11 @@ class PaintedTones:
     Attributes
     ----------
     tone : ndarray, shape (P,)
-        Their tones in [0, 1].
+        The tones, in [0, 1].
     mixtures : Mixtures
         The mixed pixels among them.
     ordered : OrderedLight
-        The linear light in the order of the plain tones; a mixed pixel shows that of the other pixels of its tone.
+        The linear light in the order of the plain tones; a mixed pixel has that of the other pixels of its plain tone.
     """
 
     tone: FloatArray
@@ -115,8 +115,8 @@ class PaintedTones:
         """
         Read the colors (P, 3), sRGB in [0, 1], of pixels at some rows and columns (P,).
 
-        If those beside ink, highlights and other materials are marked, (P,), seams are taken off: from these, and within
-        `EDGE_REACH` pixels of a mixed pixel.
+        If `beside` marks the pixels (P,) beside ink, highlights and other materials, seams are removed from these, and from
+        the pixels within `EDGE_REACH` pixels of a mixed pixel.
         """
         light, tone = decoded(colors)
         mixtures = find_mixtures(tone, rows, columns)
@@ -175,7 +175,7 @@ def find_mixtures(tone: FloatArray, rows: IndexArray, columns: IndexArray) -> Mi
 
 
 def _near(pixels: NDArray[np.intp], rows: IndexArray, columns: IndexArray) -> BoolArray:
-    """Mark which pixels at some rows and columns (P,) lie within `EDGE_REACH` of some of them."""
+    """Mark which of the pixels at some rows and columns (P,) lie within `EDGE_REACH` of those with the given indices."""
     near = np.zeros(len(rows), np.bool_)
     if pixels.size:
         marked = np.zeros((rows.max() + 1, columns.max() + 1), np.bool_)
@@ -188,8 +188,8 @@ def _without_seams(tone: FloatArray, mixtures: Mixtures, near: BoolArray) -> tup
     """
     Give pixels near an edge the tone of the paint that they differ from by a step or two.
 
-    Scaling a picture leaves faint bright and dark seams along its edges, and so does a compressor. In the order of tones
-    they would be the brightest and the darkest of all.
+    Scaling or compressing a picture leaves faint bright and dark seams along its edges. In the order of tones, seams would
+    be the brightest and the darkest pixels of all.
     """
     if not near.any():
         return tone, mixtures
@@ -200,11 +200,11 @@ def _without_seams(tone: FloatArray, mixtures: Mixtures, near: BoolArray) -> tup
         for other in (np.maximum(levels - step, 0), np.minimum(levels + step, 255)):
             frequent = (counts[other] > FREQUENT * counts) & (counts[other] > counts[usual])
             usual = np.where(frequent, other, usual)
-    usual = usual[usual[usual]]  # to one that is no other's seam
+    usual = usual[usual[usual]]  # until the level is no other one's seam
     pure = np.ones(len(tone), np.bool_)
     pure[mixtures.pixels] = False
     shown = np.full(256, np.inf)
-    np.minimum.at(shown, level[pure], tone[pure])  # that of any pixel would depend on their order
+    np.minimum.at(shown, level[pure], tone[pure])  # the least one, whatever the order of pixels
 
     def settled(values: FloatArray) -> FloatArray:
         own = np.rint(values * 255).astype(np.intp)

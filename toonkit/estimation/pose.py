@@ -29,8 +29,8 @@ class Pose:
     labels : ndarray of int, shape (P,)
         Numbers of the materials.
     learned : dict of bytes to tuple of ndarray
-        The change of N0 that the learned shape asks for on each island's square, under the light asked about last: it is a
-        quarter of an analysis, and stays as it is when a person corrects the shape.
+        The change of N0 that the learned shape asks for on each island's square, under the light asked about last. It
+        takes a quarter of an analysis to compute, and stays the same when a person corrects the shape.
     """
 
     islands: tuple[Island, ...]

@@ -36,10 +36,10 @@ from toonkit.model.whole_pixels import put_pixels
 from toonkit.numerics.masked_grid import MaskedGrid, bounding_box
 
 MOST_PIXELS = 25_000_000
-"""Pixels of an object at most, 5000 x 5000: an analysis needs up to 400 bytes of memory for each of them."""
+"""Largest number of pixels of an object, 5000 x 5000: an analysis needs up to 400 bytes of memory for each of them."""
 
 TELLING, TELLING_SHARE = 4, 0.25
-"""Islands from which the light is estimated, at most, and the least area of one relative to the largest."""
+"""Largest number of islands from which the light is estimated, and the least area of one relative to the largest."""
 
 WHATEVER_IS_TOLD = (
     "grid", "islands", "telling_islands", "_moments", "frame", "is_pixel_art", "inflated_normals"
@@ -70,7 +70,7 @@ class PreparedDrawing:
     shape : ShapeCorrections, optional
         What a person says about its shape.
     views : int, optional
-        How often it shows the object side by side. Lines are as wide as in one view, and all views have the same materials.
+        How many views of the object it shows side by side. Lines are as wide as in one view, and all views share materials.
 
     Attributes
     ----------
@@ -299,13 +299,13 @@ class PreparedDrawing:
             labels = self.frame.compact(self._found.labels)
             islands = tuple(island.turned(turn) for island, turn in zip(self.islands, turns, strict=True))
             for island, turned in zip(self.islands, islands, strict=True):
-                if turned is not island:  # no solver asks for it again as it is drawn
+                if turned is not island:  # no solver needs the unturned island again
                     island.grid.release()
             pose = self._pose = Pose(islands, self.painted_materials, self.hidden, labels)
         return pose
 
     def release(self) -> None:
-        """Free what nothing but an analysis under another light needs, which makes it again."""
+        """Free what only an analysis under another light needs, which computes it again."""
         self._pose = None
         for grid in (self.grid, *(island.grid for island in self.islands)):
             grid.release()

@@ -50,8 +50,8 @@ class GrayPaint:
     tone : ndarray, shape (P,)
         Its tone, plain.
     hidden : ndarray of bool, shape (P,)
-        Where nothing shows: under ink and highlights, and on flat materials. Light and tone are there those of the nearest
-        pixel of the same island that shows some.
+        Where no shading shows: under ink and highlights, and on flat materials. There, light and tone are those of the
+        nearest pixel of the same island that shows shading.
     """
 
     light: FloatArray

@@ -47,7 +47,7 @@ DAMPING = 0.25
 """Doubt about the light, radians, at which the network is told exp(-1) of its sine and cosine."""
 
 KEPT_ISLANDS = 16
-"""Islands of a drawing whose answers are kept, at most: each takes a megabyte."""
+"""Answers are kept for a drawing of at most this many islands: each takes a megabyte."""
 
 NEGLIGIBLE = 0.005
 """Illumination by which normals may miss what the colors allow, root mean square, and still be taken for right."""
@@ -96,7 +96,7 @@ def correct_shape(
 
 
 def _change(overview: Overview, light: FloatArray, *, colored: bool) -> FloatArray:
-    """Return the change of N0 that is asked for under a light, on the island's square, `FINER` times as fine."""
+    """Return the change of N0 that the network asks for under a light, on the island's square, `FINER` times as fine."""
     square = WorkingSquare.around(overview.grid, light[:2])
     views = [
         _View.of(overview, light, square, colored=colored, wider=wider, mirrored=mirrored)
@@ -270,8 +270,8 @@ def features(
     elevation : float
         Of the light, radians.
     doubt : float, optional
-        How far the true light may be from this one, standard deviation about each of two axes, radians: only while it
-        learns, so that it does not trust a light blindly. Telling it later what an estimate admits bought nothing.
+        How far the true light may be from this one: standard deviation about each of two axes, radians. It is given only in
+        training, so that the network does not trust a light blindly. Giving it the uncertainty of an estimate did not help.
 
     Returns
     -------

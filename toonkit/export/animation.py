@@ -19,10 +19,10 @@ from toonkit.model.light_path import MOST_FRAMES, light_path
 from toonkit.relighting import RelightOptions, relight
 
 FRAME_MILLISECONDS = 60
-"""How long a frame is shown: at 36 frames, one turn takes about two seconds."""
+"""How long a frame is shown: 36 frames take about two seconds."""
 
 ANIMATED = (".gif", ".webp", ".apng", ".png")
-"""Ends of the names of animations."""
+"""Suffixes of animations."""
 
 _STEEPEST = 60.0  # degrees: a light at the viewer's eye would circle without any change
 _SHALLOWEST = 15.0
@@ -108,7 +108,7 @@ def write_light_path(
     frames : int, optional
         Number of frames, 2 to 720.
     loop : bool, optional
-        Whether the light returns to the first one and starts again without end; otherwise it is shown once, and ends at
+        Whether the light returns to the first one, in an endless animation; otherwise the animation plays once and ends at
         the last one.
     progress : callable, optional
         Called with the fraction done, 0..1, after each frame.

@@ -1,4 +1,4 @@
-"""The corrections of a shape as arrays of an archive."""
+"""Corrections of a shape as the arrays of an archive."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from toonkit.export.npz import Arrays
 from toonkit.model.shape_corrections import MOST_HINTS, PARTS, NormalHint, ShapeCorrections
 
 PREFIX = "shape_"
-"""What the names of these arrays begin with."""
+"""Prefix of the names of these arrays."""
 
 HINTS = f"{PREFIX}normals"
 
 
 def pack_shape(shape: ShapeCorrections | None, mask: BoolArray) -> dict[str, NDArray[Any]]:
-    """Return the corrections as arrays by name: of parts one bool for each pixel of the mask, of each hint six numbers."""
+    """Return the corrections as arrays by name: for each part one bool per pixel of the mask, for each hint six numbers."""
     if shape is None:
         return {}
     fields: dict[str, NDArray[Any]] = {PREFIX + name: part[mask] for name, part in shape.parts.items()}
@@ -30,7 +30,7 @@ def pack_shape(shape: ShapeCorrections | None, mask: BoolArray) -> dict[str, NDA
 
 
 def read_shape(arrays: Arrays, mask: BoolArray) -> ShapeCorrections | None:
-    """Read what `pack_shape` has returned; None if there is nothing."""
+    """Read what `pack_shape` has returned; None if there are no corrections."""
     parts = {}
     for name in PARTS:
         if PREFIX + name in arrays.names:

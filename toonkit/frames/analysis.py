@@ -1,4 +1,4 @@
-"""analyze_frames: the frames of a sheet or an animation taken apart together."""
+"""Analyze the frames of a sheet or an animation together."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class FrameAnalysis:
     Attributes
     ----------
     analysis : ToonAnalysis
-        That of the montage of all frames: one light, one set of materials and color maps.
+        The analysis of the montage of all frames: one light, one set of materials and color maps.
     places : tuple of Place
         Where each frame is in the montage.
     """
@@ -116,12 +116,12 @@ def analyze_frames(
     Notes
     -----
     The frames are analyzed side by side as one drawing. So a color belongs to the same material in all frames and has the
-    same place in its color map, and ink is told by what it is in all frames together. Widths of lines are judged by the size
-    of one frame.
+    same place in its color map, and ink is found from all frames together. Widths of lines are judged by the size of one
+    frame.
 
     The shape is found for each part of a frame by itself. If at least six frames of one size show an object that turns once
-    around an upright axis by equal angles, seen from the side, and it can be told which way, `toonkit` and `classical` then
-    let them agree on its shape: see `toonkit.frames.turntable`.
+    around an upright axis by equal angles, seen from the side, and the direction of the turn can be found, `toonkit` and
+    `classical` then make the frames agree on its shape: see `toonkit.frames.turntable`.
     """
     if not isinstance(frames, Sequence) and not (isinstance(frames, np.ndarray) and frames.ndim):
         raise refuse("frames", "must be a sequence of arrays", type(frames).__name__)

@@ -1,4 +1,4 @@
-"""Frames of one object agree on its shape, so that their normals change as the object turns, and not otherwise."""
+"""Frames of one object agree on its shape, so that its normals change only as the object turns."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from toonkit.numerics.masked_grid import bounding_box
 from toonkit.numerics.parallel import run_each, single_threaded_blas
 
 COUPLED_METHODS = ("toonkit", "classical")
-"""Methods whose normals are coupled. The others are as in their papers."""
+"""Methods whose normals are coupled. The other methods stay as published."""
 
 COUPLED_OPTIONS = replace(OPTIONS, change_reach=0.01)
-"""Normals on which all frames agree are better than what one frame asks for, so that a change stays near its tone edges."""
+"""Normals on which all frames agree are better than those that one frame asks for, so changes stay near its tone edges."""
 
 
 def couple(analysis: ToonAnalysis, places: Sequence[Place]) -> ToonAnalysis:
@@ -32,14 +32,15 @@ def couple(analysis: ToonAnalysis, places: Sequence[Place]) -> ToonAnalysis:
     Parameters
     ----------
     analysis : ToonAnalysis
-        That of their montage.
+        The analysis of the montage of the frames.
     places : sequence of Place
-        Where they are in it.
+        Where each frame is in the montage.
 
     Returns
     -------
     ToonAnalysis
-        The same with other normals and color maps, or `analysis` itself if the frames show something else.
+        The same with other normals and color maps, or `analysis` itself if the frames do not show such an object or its
+        method is not in `COUPLED_METHODS`.
     """
     if analysis.method not in COUPLED_METHODS or len({place.shape for place in places}) != 1:
         return analysis
@@ -57,7 +58,7 @@ def couple(analysis: ToonAnalysis, places: Sequence[Place]) -> ToonAnalysis:
 
 
 def _views(analysis: ToonAnalysis, places: Sequence[Place]) -> Views:
-    """Return the frames, cut to what is visible in any of them."""
+    """Return the frames, cropped to the area in which any of them shows the object."""
     labels = np.array(cut(analysis.materials.labels, places, -1))
     box = (slice(None), *bounding_box(np.any(labels >= 0, axis=0)))
     normals = np.array([frame[box[1:]] for frame in cut(np.nan_to_num(analysis.normals.vectors), places)])

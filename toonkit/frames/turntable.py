@@ -1,4 +1,4 @@
-"""An object that turns once around before the viewer: whether frames show one, and what they say of its shape together."""
+"""Whether frames show an object that turns once around before the viewer, and what they say together about its shape."""
 
 from __future__ import annotations
 
@@ -12,35 +12,35 @@ from toonkit._validation import BoolArray, FloatArray
 from toonkit.frames.visual_hull import VisualHull, turned, turned_vectors
 
 LEAST_FRAMES = 6
-"""Frames of a whole turn, at least: fewer silhouettes leave too much of the shape open."""
+"""Least number of frames of a whole turn: fewer silhouettes leave too much of the shape open."""
 
 FILLED = 0.985
-"""Share of each silhouette that the hull of all must fill for frames to be views of one object from all around."""
+"""Least share of each silhouette that the hull of all of them fills if the frames show one object from all around."""
 
 CLEAR = 0.005
-"""Share of the pixels by which materials must fit better to a turn one way than the other way, to tell which it is."""
+"""Share of the pixels by which materials must fit a turn one way better than the other way, to tell which it is."""
 
 CLOSER = 0.93
-"""How much nearer to each other normals must be for one way than for the other, where materials do not tell."""
+"""Largest ratio of the angles between normals for one way and for the other that tells which, where materials do not."""
 
 MOVED = 0.97
-"""Overlap of neighboring silhouettes up to which something turns even if its materials do not show it."""
+"""Overlap of neighboring silhouettes below which an object turns even if its materials do not show it."""
 
 HIDDEN = 0.03
-"""How far behind the hull's front a point is hidden, as a share of the picture's longer side."""
+"""Distance behind the hull's front beyond which a point is hidden, as a share of the picture's longer side."""
 
 MOST_VIEWS = 16
-"""Frames that have a say, at most; the others only take it over."""
+"""Largest number of frames that contribute to the mean; the others only receive it."""
 
 AT_THE_RIM = 0.1
-"""Weight of a normal that faces the viewer, beside 1 at the rim, where a silhouette shows what the normal is."""
+"""Weight added to 1 - z of each normal: a normal counts most at the rim, where the silhouette determines it."""
 
 SMOOTHED = 0.01
 """Standard deviation, as a share of the picture's longer side, over which normals are smoothed from row to row: each row is
-looked up by itself. Smoothing along the rows, too, took away more detail than noise."""
+looked up separately. Smoothing along the rows as well removed more detail than noise."""
 
 HULL_SHARE = 0.4
-"""Weight of the hull's own normals, beside 1 for those of all frames."""
+"""Weight of the hull's own normals, relative to 1 for the mean of the frames' normals."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,11 +51,11 @@ class Views:
     Attributes
     ----------
     masks : ndarray of bool, shape (n, h, w)
-        The object.
+        True on the object.
     labels : ndarray of int, shape (n, h, w)
-        Its materials.
+        Its materials, -1 outside.
     normals : ndarray, shape (n, h, w, 3)
-        Its normals, zero outside.
+        Its unit normals, zero outside.
     """
 
     masks: BoolArray
@@ -73,11 +73,11 @@ class Turntable:
     views : Views
         The frames.
     angles : ndarray, shape (n,)
-        By how much the object is turned in each, radians: its front to the right, if they rise.
+        By how much the object is turned in each frame, in radians; as they rise, its front turns to the right.
     hull : VisualHull
-        What the silhouettes leave of it.
+        The visual hull of the silhouettes.
     depth : ndarray, shape (n, h, w)
-        z of the hull's front, in pixels.
+        z of the hull's front in each frame, in pixels; 0 outside the object.
     """
 
     views: Views
@@ -87,19 +87,19 @@ class Turntable:
 
     @classmethod
     def of(cls, views: Views, angles: FloatArray, hull: VisualHull) -> Turntable:
-        """Look at the hull of frames that are turned by these angles."""
+        """Measure the front of the hull in each frame, turned by these angles."""
         depth = np.array([hull.depth(*view) for view in zip(views.masks, angles, strict=True)])
         return cls(views, angles, hull, depth)
 
     def fused_normals(self, frame: int) -> FloatArray:
         """
-        Return unit normals (P, 3) of a frame on which all frames agree.
+        Return the unit normals (P, 3) of a frame on which all frames agree.
 
         Notes
         -----
-        The mean of the normals that the frames have at the same point of the hull, if it is seen there and of the same
-        material, and those of the hull itself. A single drawing shows normals where they are seen from the side, at its
-        rim; what faces the viewer is at the rim of others, a quarter turn away: the more a normal faces the viewer, the
+        This is the weighted mean of the normals that the frames have at the same point of the hull, where they show it in
+        the same material, and of those of the hull itself. A single drawing determines normals best at its rim. What faces
+        the viewer in one frame is at the rim of others, a quarter turn away. So the more a normal faces the viewer, the
         less it counts.
         """
         mask = self.views.masks[frame]
@@ -117,7 +117,7 @@ class Turntable:
         return _smoothed(_unit(mean), mask)
 
     def agreement(self) -> tuple[float, float]:
-        """Return the share of points that have one material in neighboring frames, and the mean angle of their normals."""
+        """Return the share of points of one material in neighboring frames, and the mean angle of their normals, radians."""
         same, apart = [], []
         for frame in range(len(self.angles)):
             other = (frame + 1) % len(self.angles)
@@ -165,12 +165,12 @@ def find_turntable(views: Views) -> Turntable | None:
     Returns
     -------
     Turntable or None
-        None if they do not, or it cannot be told which way it turns.
+        None if the frames do not show such an object, or the direction in which it turns cannot be found.
 
     Notes
     -----
-    Silhouettes of other motions contradict each other: their hull does not fill them. Which way it turns, they do not show:
-    that is told by materials, which are where the turn brings them, or else by normals.
+    Silhouettes of other motions contradict each other: their hull does not fill them. Silhouettes do not show which way the
+    object turns: its materials tell, which are where the turn takes them, or else its normals.
     """
     count = len(views.masks)
     if count < LEAST_FRAMES:
@@ -193,7 +193,7 @@ def find_turntable(views: Views) -> Turntable | None:
 
 
 def _still(views: Views) -> float:
-    """Return for which share of their common pixels neighboring frames have the same material."""
+    """Return the share of their common pixels at which neighboring frames have the same material."""
     both = views.masks & np.roll(views.masks, -1, axis=0)
     return _share((views.labels == np.roll(views.labels, -1, axis=0)) & both, both)
 

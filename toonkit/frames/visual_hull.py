@@ -1,4 +1,4 @@
-"""The visual hull of an object that turns about its upright axis: all that its silhouettes leave room for."""
+"""The visual hull of an object that turns about its upright axis: the largest shape within all its silhouettes."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from scipy.ndimage import distance_transform_edt, gaussian_filter, map_coordinat
 from toonkit._validation import BoolArray, FloatArray
 
 SIZE = 96
-"""Pixels of the longer side of silhouettes that a hull is carved with, about."""
+"""Approximate number of pixels along the longer side of the silhouettes from which a hull is carved."""
 
 ROUNDED = 1.0
-"""Standard deviation, in pixels of the carved hull, over which its edges are rounded: between two silhouettes it is flat."""
+"""Standard deviation, in pixels of the lattice, over which a hull's edges are rounded: it is flat between silhouettes."""
 
 BESIDE = -1e3
-"""Depth of what is beside the hull, in its pixels: behind everything."""
+"""Depth of pixels beside the hull, in pixels of the lattice: behind everything."""
 
 
 def turned(angle: float, across: NDArray[Any], depth: NDArray[Any]) -> tuple[FloatArray, FloatArray]:
-    """Turn places about the upright axis by an angle in radians; return x and z of shape (...)."""
+    """Turn places x, z about the upright axis by an angle in radians; return their new x and z, shape (...)."""
     cosine, sine = np.cos(angle), np.sin(angle)
     return cosine * across + sine * depth, cosine * depth - sine * across
 
@@ -39,17 +39,17 @@ def turned_vectors(angle: float, vectors: FloatArray) -> FloatArray:
 @dataclass(frozen=True, eq=False)
 class VisualHull:
     """
-    A hull, on a lattice of its own.
+    A visual hull on its own lattice.
 
     Attributes
     ----------
     inside : ndarray, shape (rows, n, n)
-        How far inside each point is, in pixels of the lattice, negative outside: by row from the top, z from behind, and x
-        from the left, both about the axis.
+        How far inside each point is, in pixels of the lattice, negative outside. The axes are: rows from the top, z from the
+        back, x from the left; z and x are centered on the axis of the turn.
     axis : float
         Column of the axis in the pictures.
     step : int
-        Pixels of the pictures for one of the lattice.
+        Pixels of the pictures for each pixel of the lattice.
     """
 
     inside: FloatArray
@@ -66,12 +66,12 @@ class VisualHull:
         masks : sequence of ndarray of bool, shape (h, w)
             Silhouettes, from all around.
         angles : sequence of float
-            By how much the object is turned in each, radians.
+            By how much the object is turned in each silhouette, in radians.
 
         Returns
         -------
         VisualHull
-            Its axis is where all silhouettes together have their middle.
+            The hull; its axis is the middle column of all silhouettes together.
         """
         columns = np.flatnonzero(np.any(masks, axis=(0, 1)))
         axis = float(columns[0] + columns[-1]) / 2
@@ -96,13 +96,13 @@ class VisualHull:
         return np.asarray(gaussian_filter(self.inside, ROUNDED))
 
     def shows(self, mask: BoolArray, angle: float) -> float:
-        """Return how much of a silhouette (h, w) the hull fills when it is turned by an angle, 0 to 1."""
+        """Return the share, 0 to 1, of a silhouette (h, w) that the hull fills when it is turned by an angle in radians."""
         seen = mask[self.step // 2 :: self.step, self.step // 2 :: self.step]
-        filled = self._front(self.inside + 1.0, angle, seen.shape[1]) > BESIDE  # a pixel of doubt
+        filled = self._front(self.inside + 1.0, angle, seen.shape[1]) > BESIDE  # within one pixel
         return float(filled[seen].mean()) if seen.any() else 1.0
 
     def depth(self, mask: BoolArray, angle: float) -> FloatArray:
-        """Return z of the front of the hull turned by an angle, in pixels, where a mask (h, w) is True; 0 elsewhere."""
+        """Return z of the turned hull's front, in pixels of the pictures, where a mask (h, w) is True; 0 elsewhere."""
         shape = [len(range(self.step // 2, side, self.step)) for side in mask.shape]
         front = self._front(self.rounded, angle, shape[1])
         beside = front == BESIDE

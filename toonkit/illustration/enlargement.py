@@ -1,4 +1,4 @@
-"""Pictures of which each pixel was enlarged to a square block, as pixel art is exported and shared."""
+"""Pictures whose pixels were each enlarged to a square block, as pixel art is exported and shared."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from toonkit.model.image import ToonImage
 from toonkit.numerics.masked_grid import Box, bounding_box
 
 FEWEST_BLOCKS = 16
-"""Least blocks along either side of an enlarged object. A figure of fewer may be a drawing of rectangles, and its smallest
-parts would be lost: they are seen from four pixels on."""
+"""Least number of blocks along either side of an enlarged object. An object of fewer blocks may be a drawing of rectangles,
+and reducing it would lose its smallest parts: these are recognized from four pixels on."""
 
 FEWEST_EDGES = 0.5
 """Least share of the lines between blocks along which colors change somewhere."""
 
 SAMPLED_ROWS = 16
-"""Rows that are looked at first. A drawing that is not enlarged is almost always recognized by these."""
+"""Number of rows that are examined first. They almost always suffice to recognize a drawing that is not enlarged."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +36,9 @@ class Enlargement:
     place : (slice, slice)
         Rows and columns of the object with its fringe: whole blocks.
     image : ToonImage
-        The picture before: a pixel for each block at that place.
+        The picture before it was enlarged: one pixel for each block at that place.
     sources : ndarray of int32, shape (P,)
-        Compact index, in that picture, of the block of each of the object's pixels.
+        For each of the object's pixels, the compact index of its block in `image`.
     """
 
     factor: int
@@ -47,7 +47,7 @@ class Enlargement:
     sources: NDArray[np.int32]
 
     def reduce(self, values: NDArray[Any]) -> NDArray[Any] | None:
-        """Return values (H, W) of the picture as one of each block; None if they differ within blocks of the object."""
+        """Return values (H, W) of the picture as one for each block; None if they differ within a block of the object."""
         inside = values[self.place]
         reduced = inside[:: self.factor, :: self.factor]
         enlarged = reduced.repeat(self.factor, axis=0).repeat(self.factor, axis=1)
@@ -73,7 +73,7 @@ def find_enlargement(image: ToonImage) -> Enlargement | None:
     Returns
     -------
     Enlargement or None
-        By the largest such factor; None if there is none.
+        The enlargement by the largest such factor; None if the picture was not enlarged.
 
     Examples
     --------
@@ -114,7 +114,7 @@ def _content(image: ToonImage, place: Box) -> FloatArray:
 
 
 def _sampled_rows(image: ToonImage, place: Box) -> FloatArray:
-    """Return color, alpha and mask of some rows (n, w, 5), of the fringe alpha alone."""
+    """Return color, alpha and mask of some rows (n, w, 5); fringe pixels have alpha alone."""
     first = np.concatenate([[0], np.cumsum(np.count_nonzero(image.mask, axis=1))])
     rows = np.unique(np.linspace(place[0].start, place[0].stop - 1, SAMPLED_ROWS).astype(int))
     content = np.zeros((len(rows), image.mask[:, place[1]].shape[1], 5))
@@ -126,12 +126,12 @@ def _sampled_rows(image: ToonImage, place: Box) -> FloatArray:
 
 
 def _edges(content: FloatArray, axis: int) -> NDArray[np.intp]:
-    """Return where content (h, w, 5) changes along an axis, its end included."""
+    """Return the positions along an axis at which content (h, w, 5) changes, and that of its end."""
     content = np.moveaxis(content, axis, 0)
     changes = (content[1:] != content[:-1]).any(axis=(1, 2))
     return np.append(np.flatnonzero(changes) + 1, len(content))
 
 
 def _factor(edges: NDArray[np.intp]) -> int:
-    """Return the greatest common divisor of all distances between edges, and from the start."""
+    """Return the greatest common divisor of the distances of all edges from the start."""
     return int(np.gcd.reduce(edges))

@@ -16,27 +16,27 @@ SURROUNDINGS = 25
 """Width of the window in which the change of the paint is measured, in pixels."""
 
 STEEPER = 1.6
-"""Change at a border relative to that around it, above which it is an edge, however blurred."""
+"""Change of the paint at a border, relative to that around it, above which the border is an edge, however blurred."""
 
 SMOOTH = 0.7
-"""Least share of a border between two groups of tones that is no edge."""
+"""Share of the border between two groups of tones that must not be an edge for them to be joined."""
 
 LEAST, COMPARABLE = 0.01, 0.2
-"""Least area of a group relative to the paint, and to the other group: a blush does not make a gradient of a cheek."""
+"""Least area of a group relative to all paint, and to the other group: a blush does not turn a cheek into a gradient."""
 
 
 def join_gradients(tones: Tones, zones: Zones, group: Groups) -> tuple[Groups, BoolArray]:
     """
     Join the groups of tones that run into each other.
 
-    No ramp explains their colors, or they would be one group. So their hue is painted on and is no shading.
+    No ramp explains the colors of such groups: otherwise they would be one group. So their hues are painted, not shaded.
 
     Parameters
     ----------
     tones : Tones
         The tones of the paint.
     zones : Zones
-        Its zones.
+        The zones of the paint.
     group : ndarray of int, shape (n,)
         The label of each tone.
 
@@ -45,7 +45,7 @@ def join_gradients(tones: Tones, zones: Zones, group: Groups) -> tuple[Groups, B
     group : ndarray of int, shape (n,)
         Labels with such groups joined.
     painted : ndarray of bool, shape (n,)
-        The tones of these groups.
+        True for the tones of the joined groups.
     """
     names, which = np.unique(group, return_inverse=True)
     count = len(names)
@@ -60,7 +60,7 @@ def join_gradients(tones: Tones, zones: Zones, group: Groups) -> tuple[Groups, B
 
 
 def _borders(zones: Zones, labels: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
-    """Count the pairs of neighboring pixels in each two groups (h, w), and those between which the paint has no edge."""
+    """Count the pairs of neighboring pixels in any two groups, labels (h, w), and those without an edge between them."""
     border, smooth = np.zeros((2, count, count))
     for axis in (0, 1):
         lab, zone, group = (np.moveaxis(values, axis, 0) for values in (zones.lab, zones.labels, labels))

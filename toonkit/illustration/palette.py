@@ -66,7 +66,7 @@ class Palette:
         For each material the colors it is painted with, sRGB as in the drawing, darkest first; none for one that takes any.
         That of a flat material also has the color of the drawing that could best be its shadow, if there is one.
     materials : Materials
-        The materials, with color maps of flat ones that end in that shadow, or in none.
+        The materials; the color map of a flat one ends in that shadow, or has no shadow.
     """
 
     ramps: tuple[FloatArray, ...]

@@ -110,8 +110,9 @@ def analyze(
         True where the paint shows a highlight, or a cast shadow: it says nothing about the shape, and fades as the light
         moves. Found if not given.
     shape : ShapeCorrections, optional
-        What a person says about the shape: parts that bulge, are flat or in front, and normals at points. Given for
-        `analysis.drawing`, nothing else is computed anew; an empty one takes back what was said before.
+        What a person says about the shape: parts that bulge, are flat or in front, and normals at points. If `image` is
+        the `drawing` of an earlier analysis, only what depends on the shape is computed again; empty corrections remove
+        the earlier ones.
     previous : ToonAnalysis, optional
         An analysis of the same mask under a nearby light. `toonkit` and `classical` start from it and answer sooner; one of
         the same picture passes on what was derived from it.
@@ -184,7 +185,7 @@ def _analyzed(
     progress: StepProgress | None,
     options: dict[str, Any],
 ) -> ToonAnalysis:
-    """Call a method, and refuse what is no analysis. An enlarged drawing is analyzed at the size it was painted at."""
+    """Call a method, and refuse what is not an analysis. An enlarged drawing is analyzed at the size it was painted at."""
     if isinstance(drawing, EnlargedDrawing):
         options = {}  # an earlier analysis is as large as the enlarged drawing
     analysis: object = METHODS[method](drawing.as_painted, light, progress=progress, **options)
@@ -195,7 +196,7 @@ def _analyzed(
 
 
 def _enlarged(analysis: ToonAnalysis, drawing: EnlargedDrawing) -> ToonAnalysis:
-    """Return the analysis of an enlarged drawing from that of the drawing before."""
+    """Return the analysis of an enlarged drawing from that of the reduced drawing."""
     return replace(
         analysis,
         image=drawing.image,

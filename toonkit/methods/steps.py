@@ -81,9 +81,9 @@ class Steps:
         self, normals: NormalField, previous: ToonAnalysis | None, options: RefinementOptions | None = None
     ) -> Refinement:
         """
-        Fit the color maps to normals and refine them (Sections 3.2 and 3.3), from an earlier answer if there is one.
+        Fit the color maps to normals and refine the normals (Sections 3.2 and 3.3), from an earlier result if there is one.
 
-        The normals are corrected as a person asks for before.
+        A person's corrections of the shape are applied to the normals first.
         """
         weights = RefinementOptions() if options is None else options
         corrected, hold = self.drawing.corrected(normals), None

@@ -1,4 +1,4 @@
-"""A light that travels: from one direction to the next along the sphere, the shortest way."""
+"""A light that travels from one direction to the next along the sphere, by the shortest way."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from toonkit._validation import FloatArray, is_count, refuse
 from toonkit.model.light import direction_of
 
 MOST_FRAMES = 720
-"""Half a degree a frame of a full turn; more would fill the memory and show nothing new."""
+"""Half a degree for each frame of a full turn. More frames would fill the memory without a visible difference."""
 
 _SAME = 1e-9
 """Sine of the angle between two lights below which they are the same, or opposite."""
@@ -19,12 +19,13 @@ _SAME = 1e-9
 
 def light_path(lights: Sequence[ArrayLike] | ArrayLike, frames: int, *, loop: bool = True) -> FloatArray:
     """
-    Return the light of each frame while it travels from one light to the next, each way in the same time.
+    Return the light of each frame as it travels from one light to the next, in the same time between any two.
 
     Parameters
     ----------
     lights : sequence of array_like
-        Two or more lights in the order of travel, each a direction or azimuth and elevation, as in `toonkit.relight`.
+        Two or more lights in the order of travel, each a direction (3,) or azimuth and elevation in degrees (2,), as in
+        `toonkit.relight`.
     frames : int
         Number of frames, 2 to 720.
     loop : bool, optional
@@ -33,17 +34,17 @@ def light_path(lights: Sequence[ArrayLike] | ArrayLike, frames: int, *, loop: bo
     Returns
     -------
     ndarray, shape (frames, 3)
-        Unit vectors; the first is the first light, and without `loop` the last is the last one.
+        Unit vectors from the surface to the light. The first is the first light; without `loop`, the last is the last light.
 
     Raises
     ------
     ToonkitError
-        If an argument breaks these rules.
+        If there are fewer than two lights, one of them is not a valid light, or `frames` is out of range.
 
     Notes
     -----
-    Between two lights the path is the great circle through both, the shorter way around, at an even speed. There are many
-    shortest ways between opposite lights: that on the viewer's side is taken.
+    Between two lights the path is the shorter arc of the great circle through both, at an even speed. Between opposite
+    lights, many ways are equally short: the one on the viewer's side is taken.
 
     Examples
     --------
@@ -67,13 +68,13 @@ def light_path(lights: Sequence[ArrayLike] | ArrayLike, frames: int, *, loop: bo
 
 
 def _on_the_way(ends: list[FloatArray], position: float) -> FloatArray:
-    """Return the light at a position, counted in ways between two lights from the first one."""
+    """Return the light at a position: 0 at the first light, 1 at the second one, and so on."""
     start = min(int(position), len(ends) - 2)
     return _between(ends[start], ends[start + 1], position - start)
 
 
 def _between(start: FloatArray, end: FloatArray, share: float) -> FloatArray:
-    """Return the unit vector at a share, 0 to 1, of the shortest way between two."""
+    """Return the unit vector at a share, 0 to 1, of the shortest way between two unit vectors."""
     cosine = float(start @ end)
     ahead = end - cosine * start
     sine = float(np.linalg.norm(ahead))

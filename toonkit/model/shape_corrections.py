@@ -21,13 +21,13 @@ from toonkit._validation import (
 from toonkit.model.light import direction_of
 
 PARTS = ("bulge", "flat", "in_front")
-"""What may be said of a part of a drawing."""
+"""The properties that a part of a drawing may be given."""
 
 WIDEST_HINT = 1e5
-"""Radius of a hint in pixels, at most."""
+"""Largest radius of a hint, in pixels."""
 
 MOST_HINTS = 1000
-"""Hints that one drawing may have."""
+"""Largest number of hints for one drawing."""
 
 
 @dataclass(frozen=True)
@@ -42,13 +42,13 @@ class NormalHint:
     normal : (float, float, float)
         Unit vector, x right, y up, z toward the viewer; given with any length, or as azimuth and elevation in degrees.
     radius : float
-        Distance in pixels within which the normals turn as well, less and less.
+        Distance in pixels, up to 100,000, within which the normals turn as well, less with distance.
 
     Raises
     ------
     ToonkitError
-        If the pixel is no pair of numbers from 0 on, the normal is zero or looks away from the viewer, or the radius is not
-        above 0.
+        If the row or the column is not a whole number from 0 on, the normal is zero or points away from the viewer, or the
+        radius is not above 0 and at most 100,000.
 
     Examples
     --------
@@ -80,25 +80,25 @@ class ShapeCorrections:
     """
     What a person says about the shape of a drawing, for `toonkit.analyze`.
 
-    A method starts from a shape that has these properties, and our own ones return to it where the colors do not say
-    otherwise: the painted tones still count. Each connected region of a mask is a part of its own.
+    A method starts from a shape that has these properties. `toonkit` and `classical` are also held to them, but the painted
+    tones still count. Each connected region of a mask is a part of its own; one of fewer than 9 pixels is ignored.
 
     Attributes
     ----------
     bulge : ndarray of bool, shape (H, W), or None
         True on parts that bulge toward the viewer from what is around them.
     flat : ndarray of bool, shape (H, W), or None
-        True on parts that are flat. They keep their mean direction, which a hint changes.
+        True on parts that are flat. Each keeps the mean direction of its normals, unless a hint changes it.
     in_front : ndarray of bool, shape (H, W), or None
         True on parts that end in front of what is around them: their surface turns away along their border, as it does
         along the outline of the object.
     normals : tuple of NormalHint
-        Normals at points. Where two of them reach, the later one counts more.
+        Normals at points, at most 1,000. Where the radii of two overlap, the later one counts more.
 
     Raises
     ------
     ToonkitError
-        If a part is not such an array, or `normals` holds something else.
+        If a part is not such an array, or `normals` is not a list of at most 1,000 `NormalHint`.
 
     Examples
     --------
@@ -132,12 +132,12 @@ class ShapeCorrections:
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing is said."""
+        """Whether there are no corrections."""
         return not self.normals and not self.parts
 
     @property
     def parts(self) -> Mapping[str, BoolArray]:
-        """The masks that are given, by their names in `PARTS`."""
+        """The masks that are given, by name: those in `PARTS`."""
         given = {name: getattr(self, name) for name in PARTS}
         return {name: part for name, part in given.items() if part is not None}
 
@@ -149,17 +149,22 @@ class ShapeCorrections:
 
     def on(self, mask: ArrayLike) -> ShapeCorrections:
         """
-        Return the corrections of an object's pixels alone.
+        Return the corrections restricted to an object's pixels.
 
         Parameters
         ----------
         mask : array_like of bool, shape (H, W)
-            The object.
+            True on the object.
+
+        Returns
+        -------
+        ShapeCorrections
+            The same corrections, with parts that are False outside the object.
 
         Raises
         ------
         ToonkitError
-            If a part has another size, or a hint does not lie on the object.
+            If the size of a part is not that of the mask, or a hint does not lie on the object.
         """
         on_object = np.asarray(mask, np.bool_)
         height, width = on_object.shape

@@ -37,7 +37,7 @@ class FrameBox:
     height, width : int
         Its size on the sheet.
     rotated : bool
-        Whether the frame lies there turned clockwise by a quarter.
+        Whether the frame lies on the sheet turned clockwise by a quarter turn.
     """
 
     name: str
@@ -160,7 +160,7 @@ def _merged(edges: NDArray[np.intp]) -> NDArray[np.intp]:
 
 def read_atlas(path: str | os.PathLike[str], shape: tuple[int, int]) -> tuple[SheetLayout, dict[str, Any]]:
     """
-    Read a JSON atlas as TexturePacker and Aseprite write them: its frames, and all of the file.
+    Read a JSON atlas as TexturePacker and Aseprite write them; return its frames and the whole content of the file.
 
     It has "frames", as a hash or an array: each has a "frame" of x, y, w and h, and may be "rotated". Frames that show
     a part of the sheet again are left out. Raises `ToonkitError` if the file is no such atlas, or a frame leaves the

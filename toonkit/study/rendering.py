@@ -107,9 +107,9 @@ def render_shape(shape: Shape, size: int, *, view: View | None = None) -> Render
 
 def render_turns(shape: Shape, size: int, yaws: Sequence[float]) -> list[RenderedShape]:
     """
-    Render a shape of the study as it turns about its upright axis, by yaws in degrees, with the axis in the middle.
+    Render a shape of the study turned about its upright axis, once for each yaw in degrees, with the axis in the middle.
 
-    All pictures have the scale at which it fits from any side. Raises `ToonkitError` for a bad size.
+    All pictures have the scale at which the shape fits from any side. Raises `ToonkitError` for a bad size.
     """
     size = _checked_size(size)
     seen = [_frame_of_shape(shape, View(yaw=yaw)) for yaw in _ALL_AROUND]

@@ -147,7 +147,7 @@ def write_samples(
     Parameters
     ----------
     folder : Path
-        Where to.
+        The folder.
     samples : sequence of Sample, optional
         What to draw.
     size : int, optional

@@ -24,7 +24,7 @@ class CancelledError(Exception):
 
 class TaskReport:
     """
-    What a task in its thread reports to. Called with a step and the fraction done, it ends a task that is canceled.
+    Receives the progress of a task in its thread. Called with a step and the fraction done, it ends a canceled task.
 
     Parameters
     ----------

@@ -74,12 +74,12 @@ async def after_updates(follow: Callable[[], object]) -> None:
 
 class Insistence:
     """
-    What sees to it that updates arrive, by `after_updates`: called again, it starts anew.
+    Ensures that updates arrive, by `after_updates`; a new call starts over.
 
     Parameters
     ----------
     component : Viewable
-        A component of the page, which it tags: nothing of that is seen.
+        A component of the page, whose tags it changes: this is not visible.
     """
 
     def __init__(self, component: pn.viewable.Viewable) -> None:
@@ -92,7 +92,7 @@ class Insistence:
         self._following = asyncio.ensure_future(after_updates(self._tag))
 
     def end(self) -> None:
-        """Follow no longer."""
+        """Stop following."""
         if self._following is not None:
             self._following.cancel()
 

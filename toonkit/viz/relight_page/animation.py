@@ -1,4 +1,4 @@
-"""The animation that a visitor of the relight page takes along: the light on its path, or once around."""
+"""The animation that a visitor of the relight page downloads: the light along its path, or once around the object."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from toonkit.viz.relight_page.state import RelightState
 from toonkit.viz.turns import TURNS, Progress
 
 ORBIT_FRAMES = 36
-"""Of an animation where no path is set."""
+"""Number of frames of an animation without a path."""
 
 MOST_PIXELS = 210_000_000
-"""Of all frames of an animation together: 50 frames of 2048 by 2048."""
+"""Largest number of pixels in all frames of an animation together: 50 frames of 2048 x 2048."""
 
 
 def animation_maker(state: RelightState) -> Callable[[Progress], bytes]:
     """
-    Return what writes the animation of what is on screen now, for a thread.
+    Return a function that writes the animation of what is on screen now, to be called in a thread.
 
     Raises
     ------
     ToonkitError
-        If it is too large for a page.
+        If the animation is too large for a page.
     """
     analysis, options, suffix = state.recolored, state.relight_options, state.animation_suffix
     travels, loops, elevation = state.travels, state.path_loops, state.new_light[1]
@@ -65,7 +65,7 @@ def animation_maker(state: RelightState) -> Callable[[Progress], bytes]:
 
 
 def animation_download(state: RelightState, busy: BusyLine) -> pn.Column:
-    """Return the button that makes an animation, as a task of `busy`, and hands it over, beside a choice of formats."""
+    """Return the button that makes an animation, as a task of `busy`, and downloads it, beside a choice of formats."""
     made = BytesIO()
     formats = {suffix[1:].upper().replace("WEBP", "WebP"): suffix for suffix in ANIMATION_SUFFIXES}
     button = pmui.Button(

@@ -1,4 +1,4 @@
-"""A line that tells how far a task in the background is, with a button that ends it."""
+"""A line that shows the progress of a background task, with a button that cancels it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Result = TypeVar("Result")
 
 class BusyLine(pn.viewable.Viewer):
     """
-    A task of its own beside the page's, which goes on meanwhile: hidden while there is none.
+    The progress of a task that runs beside the page's own; hidden while there is none.
 
     Examples
     --------
@@ -49,11 +49,11 @@ class BusyLine(pn.viewable.Viewer):
             self._insist()
 
     def cancel(self) -> None:
-        """End the task under way, if there is one."""
+        """Cancel the task under way, if there is one."""
         self._task.cancel()
 
     def close(self) -> None:
-        """End it as if a newer one had begun: the visitor has left."""
+        """End the task as if a newer one had begun: the visitor has left."""
         self._task.overtake()
         self._insist.end()
 

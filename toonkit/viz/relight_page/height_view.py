@@ -66,7 +66,7 @@ def encode_surface(normals: NormalField, color: ToonImage) -> dict[str, Any]:
     Returns
     -------
     dict
-        Values by parameter. Slow enough for a thread, unlike setting them.
+        Values by parameter. Computing them is slow and belongs in a thread; setting them is fast.
     """
     grid = reduce_to_grid(normals)
     height, width = grid.field.mask.shape

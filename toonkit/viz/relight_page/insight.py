@@ -99,12 +99,12 @@ class ViewsTab:
         return self._views.prepare
 
     def look(self, *, active: bool) -> None:
-        """Let the views follow the light only while they are looked at."""
+        """Let the views follow the light only while their tab is open."""
         if self._views is not None:
             self._views.active = active
 
     def close(self) -> None:
-        """Let go of everything large: the visitor has left."""
+        """Free everything large: the visitor has left."""
         if self._views is not None:
             self._views.close()
 

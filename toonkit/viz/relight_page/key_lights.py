@@ -1,4 +1,4 @@
-"""The path of the new light as a setting: key lights, how long it takes, and whether it returns. Knows no panel."""
+"""The path of the new light as a setting: key lights, how long it takes, and whether it returns. Independent of Panel."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from toonkit._validation import is_number
 from toonkit.export.animation import FRAME_MILLISECONDS
 
 MOST_KEY_LIGHTS = 12
-"""Key lights of a path: as many as have room in a row."""
+"""Largest number of key lights of a path: as many as fit in a row."""
 
 PATH_SECONDS = (0.5, 10.0)
-"""How long a path may take."""
+"""Least and greatest duration of a path, in seconds."""
 
 
 class KeyLights(param.List):
@@ -34,7 +34,7 @@ class LightPathSettings(param.Parameterized):
     """A path along which the new light travels."""
 
     key_lights = KeyLights(doc="Azimuth and elevation of each light on the path, degrees.")
-    path_seconds = param.Number(3.0, bounds=PATH_SECONDS, doc="How long the light takes for the path.")
+    path_seconds = param.Number(3.0, bounds=PATH_SECONDS, doc="Duration of the path in seconds.")
     path_loops = param.Boolean(True, doc="Whether the light returns to the first one and starts again.")
 
     @property

@@ -1,8 +1,8 @@
-// A path for the new light: key lights in a row, which it travels along, each way in the same time. `toonkit.model.light_path`
-// goes the same way when the animation is written.
+// A path for the new light, through key lights, with the same time between any two. `toonkit.model.light_path` computes the
+// same path when the animation is written.
 
 const MOST_KEY_LIGHTS = 12
-const CHIP_PIXELS = 68  // twice the size on screen
+const CHIP_PIXELS = 68  // twice a chip's size on screen
 const PLAYHEAD_STEPS = 1000
 const SAME_LIGHT = 0.5  // degrees
 
@@ -74,7 +74,7 @@ function isSameLight(one, other) {
 }
 
 // Puts the strip below the cards, and the button that adds a key light on the card `relit`. `host` has the light, moves it, shows
-// it without telling Python (preview), and lets go of it; `changed` is told of the path whenever it is another one.
+// it without telling Python (preview), and lets go of it; `changed` is called with the path whenever it changes.
 function lightPath(root, relit, host, changed) {
   const strip = element(root, "section", "card light-path", `<style>${PATH_STYLE}</style>
     <header><h2>Light path</h2><p></p><div class="actions"></div></header><div class="along"></div>`)
@@ -90,10 +90,10 @@ function lightPath(root, relit, host, changed) {
     node.addEventListener("click", onClick)
     return node
   }
-  const adder = relit.button("", "Add this light to the path that the light travels", add)
+  const adder = relit.button("", "Add this light to the light path", add)
   adder.innerHTML = `${ADD}Key light`
-  const replacer = button(actions, "", "Replace", "Replace the chosen key light by the light as it is now", () => put(keys.with(selected, [...host.light()])))
-  const earlier = button(actions, "icon", EARLIER, "Move the chosen key light before the one before it", () => carry(selected, selected - 1))
+  const replacer = button(actions, "", "Replace", "Replace the chosen key light with the current light", () => put(keys.with(selected, [...host.light()])))
+  const earlier = button(actions, "icon", EARLIER, "Move the chosen key light ahead of the previous one", () => carry(selected, selected - 1))
   const later = button(actions, "icon", LATER, "Move the chosen key light behind the next one", () => carry(selected, selected + 1))
   const remover = button(actions, "icon", REMOVE, "Remove the chosen key light", () => remove(selected))
   const duration = element(actions, "label", "seconds", `<input type="number" min="0.5" max="10" step="0.5" aria-label="Seconds that the path takes">s`).firstElementChild

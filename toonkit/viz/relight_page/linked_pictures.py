@@ -27,31 +27,31 @@ GRID = {
 """Up to four pictures side by side, two on a phone."""
 
 NO_SCROLLING = ".scroll-button { display: none; }"
-"""Of a column, whose button to scroll would take a place in the grid."""
+"""Hides the scroll button of a Panel column, which would take a place in the grid."""
 
 ASPECTS = (0.7, 1.6)
-"""Width of a frame for each pixel of its height, at least and at most; pictures of another shape have room beside them."""
+"""Least and greatest ratio of a frame's width to its height; pictures of other shapes are shown with margins."""
 
 CLOSEST = 6.0
-"""Pixels of the picture that a frame shows at least."""
+"""Least number of picture pixels along the shorter side of a frame: it limits the zoom."""
 
 ZOOM_STEP = 2**0.5
 FIRST_WIDTH = 224
-"""Pixels of a frame until the browser tells how wide it is."""
+"""Assumed width of a frame in pixels, until the browser reports the real one."""
 
 REST_SECONDS = 0.15
-"""Pause after which the pictures are sent as they are looked at."""
+"""Seconds without panning or zooming after which the visible parts are sent in full detail."""
 
 READ_SECONDS = 0.05
-"""Between two readings of the pixel under the crosshair."""
+"""Seconds between two readings of the pixel under the crosshair."""
 
 
 class LinkedPictures(pn.viewable.Viewer):
     """
     A grid of pictures of one drawing.
 
-    Ctrl with the wheel zooms, as everywhere on the page, dragging pans, a double click fits: the browser does so by
-    itself. Python sends no more pixels than the frames have on screen: all of a picture, and on it what is looked at.
+    Ctrl with the wheel zooms, as everywhere on the page; dragging pans; a double click fits. The browser does this without
+    Python, which sends no more pixels than the frames have on screen: the whole picture, and over it the visible part.
 
     Parameters
     ----------
@@ -100,14 +100,14 @@ class LinkedPictures(pn.viewable.Viewer):
 
     async def show(self, pictures: Mapping[str, Picture], order: list[str]) -> None:
         """
-        Show pictures, and none but these: one at a time, so that the page goes on meanwhile.
+        Show these pictures and no others. They are sent one at a time, so that the page stays responsive.
 
         Parameters
         ----------
         pictures : mapping of str to Picture
             All pictures that are shown; those that are the same object as before are not sent again.
         order : list of str
-            Their names as they follow each other.
+            Their names, in the order shown.
         """
         async with self._showing:
             before, self._pictures = self._pictures, dict(pictures)
@@ -138,13 +138,13 @@ class LinkedPictures(pn.viewable.Viewer):
         self._look(self.shape[1] / 2, self.shape[0] / 2, 1.0)
 
     def zoom(self, factor: float) -> None:
-        """Magnify the pictures where they are looked at."""
+        """Magnify the pictures by a factor about the middle of the view."""
         x, y = ((scale.start + scale.end) / 2 for scale in self._ranges)
         shown = (self._ranges[0].end - self._ranges[0].start) / self._extent[0]
         self._look(x, y, float(np.clip(shown / factor, CLOSEST / min(self._extent), 1.0)))
 
     def close(self) -> None:
-        """Let go of the pictures: nobody looks any more."""
+        """Free the pictures: the visitor has left."""
         self._insist.end()
         for kept in (self._pictures, self._wholes, self._pipes, self._cells):
             kept.clear()
@@ -182,13 +182,13 @@ class LinkedPictures(pn.viewable.Viewer):
 
     @property
     def _window(self) -> Window:
-        """What is looked at."""
+        """The visible part."""
         columns, upward = ((scale.start, scale.end) for scale in self._ranges)
         rows = self.shape[0] - upward[1], self.shape[0] - upward[0]
         return Window.around(columns, rows, self.shape, self._sharpness * self._frame_width)
 
     def _element(self, name: str) -> hv.Overlay:
-        """Return a picture, on it what is looked at of it, and its isophotes if it has some."""
+        """Return a picture, its visible part over it, and its isophotes if it has any."""
         picture, window = self._pictures[name], self._window
         if name not in self._wholes:
             everywhere = (0.0, self._extent[0]), (0.0, self._extent[1])
@@ -219,7 +219,7 @@ class LinkedPictures(pn.viewable.Viewer):
         return element.opts(apply_ranges=False, backend=BACKEND)
 
     def _link(self, plot: Any, _: hv.Element) -> None:
-        """Give a figure the ranges and the crosshair of all."""
+        """Give a figure the ranges and the crosshair that all pictures share."""
         figure = plot.state
         if figure.x_range is self._ranges[0]:
             return
@@ -262,7 +262,7 @@ class LinkedPictures(pn.viewable.Viewer):
 
 
 def _weakly(link: Callable[[Any, hv.Element], None]) -> Callable[[Any, hv.Element], None]:
-    """Return a hook without the pictures: HoloViews keeps it as long as an element, and the pictures keep their elements."""
+    """Return a hook that does not keep the pictures alive: HoloViews keeps it as long as their elements."""
     reference = weakref.WeakMethod(link)
 
     def hook(plot: Any, element: hv.Element) -> None:
@@ -278,5 +278,5 @@ def _title(words: str) -> str:
 
 
 def _passed(data: Any) -> Any:
-    """Show what a stream brings."""
+    """Show the element that a stream sends."""
     return data

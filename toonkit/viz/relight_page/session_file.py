@@ -135,9 +135,9 @@ def read_saved_work(content: bytes, name: str) -> SavedWork:
     Parameters
     ----------
     content : bytes
-        Of the file. Nothing in it is executed.
+        Content of the file. Nothing in it is executed.
     name : str
-        Of the file, for messages.
+        Name of the file, for messages.
 
     Raises
     ------

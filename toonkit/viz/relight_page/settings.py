@@ -27,7 +27,7 @@ METHOD_DESCRIPTIONS = {
 DEFAULT_METHOD = "toonkit"
 
 PATH_SETTINGS = ("key_lights", "path_seconds", "path_loops")
-"""What describes the path of the new light."""
+"""Names of the settings of the new light's path."""
 
 ANIMATION_SUFFIXES = (".gif", ".webp", ".apng")
 """Formats of animations to choose from."""

@@ -1,16 +1,16 @@
 // The shape of the drawing: parts that bulge, are flat or in front are painted, and normals dragged at points.
 
-const TILT_REACH = 4  // of a dragged normal, in radii of the brush
-const GRAB_PIXELS = 14  // from an arrow's foot within which a press takes hold of it
-const LEAST_DRAG = 3  // pixels on screen that a normal is dragged at least
+const TILT_REACH = 4  // distance over which a dragged normal turns others, in radii of the brush
+const GRAB_PIXELS = 14  // distance from an arrow's foot within which a press grabs it
+const LEAST_DRAG = 3  // shortest drag that tilts a normal, in pixels on screen
 const [KEY_TILT, KEY_TILT_FAR] = [5, 15].map((degrees) => Math.sin(degrees * Math.PI / 180))
 const TILT_ICON = `<svg viewBox="0 0 24 24"><path d="M4 20a8.500 8.500 0 0 1 17 0M12.500 12 18 4M13.500 4.500 18 4l1 4.500"/></svg>`
 const SHAPE_HINTS = {
-  none: "Say what a part is like", brush: "Paint the part, all of it", fill: "Click a region", erase: "Paint to take it back",
-  tilt: "Press, and drag to tilt it",
+  none: "Choose what a part is like", brush: "Paint the whole part", fill: "Click a region", erase: "Paint to remove marks and arrows",
+  tilt: "Press a point and drag to tilt it",
 }
 
-// `told` is called with what the user does: shape_paint, shape_fill, shape_tilt, shape_reset.
+// Calls `told` with the name and the details of what the user does: shape_paint, shape_fill, shape_tilt, shape_reset.
 function shapeEditor({drawing, frame}, told) {
   const {card, stage} = drawing
   const map = shapeMap(stage, frame)
@@ -33,13 +33,13 @@ function shapeEditor({drawing, frame}, told) {
     return node
   }
   const brush = tool("brush", ICONS.brush, "Brush: paint the chosen kind of part", () => use(using === "brush" ? "none" : "brush"))
-  const bucket = tool("fill", ICONS.fill, "Fill: say it of a region of one material", () => use(using === "fill" ? "none" : "fill"))
+  const bucket = tool("fill", ICONS.fill, "Fill: mark a region of one material", () => use(using === "fill" ? "none" : "fill"))
   const tilt = tool("tilt", `${TILT_ICON}Tilt`, "Tilt: drag the normal at a point", () => use(using === "tilt" ? "none" : "tilt"))
   const size = element(tools, "input", "size")
   Object.assign(size, {type: "range", min: 1, max: 100, value: 45, title: "Size of the brush, and how far a tilt reaches: [ and ]"})
   size.setAttribute("aria-label", "Brush size")
   element(tools, "span", "space")
-  const reset = tool("reset", "Reset", "Reset: say nothing about the shape", () => told("shape_reset"))
+  const reset = tool("reset", "Reset", "Reset: remove all corrections of the shape", () => told("shape_reset"))
   kinds.setAttribute("role", "group")
   kinds.setAttribute("aria-label", "The part is")
   const kindButtons = SHAPE_PARTS.map((part) => {
@@ -51,7 +51,7 @@ function shapeEditor({drawing, frame}, told) {
   })
   const shownBox = element(panel, "label", "stays", `<input type="checkbox" checked>Show the normals`).firstChild
   shownBox.addEventListener("change", () => map.showNormals(shownBox.checked))
-  element(panel, "p", "remark", "The surface follows what you say where the painted tones allow it.")
+  element(panel, "p", "remark", "The surface follows your corrections as far as the painted tones allow.")
 
   const radius = () => Math.max(0.7, (size.value / 100) ** 2 * 0.15 * frame.longest)
   const reach = () => TILT_REACH * radius()

@@ -5,11 +5,11 @@ const SHAPE_PARTS = [
   {kind: "bulge", bit: 1, name: "Bulge", tip: "A part that bulges toward you", color: [255, 122, 40]},
   {kind: "flat", bit: 2, name: "Flat", tip: "A part that is flat", color: [20, 200, 210]},
   {kind: "in_front", bit: 4, name: "In front", tip: "A part that ends in front of what is around it: paint all of it", color: [236, 60, 200]},
-  {kind: "", bit: 0, name: "Erase", tip: "Say nothing here, and remove arrows", color: [150, 150, 156]},
+  {kind: "", bit: 0, name: "Erase", tip: "Remove marks and arrows here", color: [150, 150, 156]},
 ]
 const NORMALS_ALPHA = 185, MARK_SHARE = 0.4, FACING_AWAY = 0.75  // a projected normal is never longer than 0.71
 
-// The numbers that half floats stand for, by their bits.
+// The values of all half-precision floats, by their bits.
 const halves = (() => {
   let table = null
   return () => table ??= Float32Array.from({length: 1 << 16}, (_, bits) => {
@@ -63,7 +63,7 @@ function shapeMap(stage, frame) {
     return (column > 0 && marks[pixel - 1] !== own) || (column + 1 < width && marks[pixel + 1] !== own)
       || (row > 0 && marks[pixel - width] !== own) || (row + 1 < height && marks[pixel + width] !== own)
   }
-  // Draws a part of the picture anew: a stroke changes little of a large one.
+  // Redraws a part of the picture: a stroke changes little of a large one.
   function draw(left = 0, top = 0, right = width, bottom = height) {
     if (!image) { return }
     for (let row = top; row < bottom; row++) {

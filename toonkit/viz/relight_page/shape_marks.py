@@ -19,7 +19,7 @@ BITS = {name: 1 << place for place, name in enumerate(PARTS)}
 """The bit of each kind of part in the marks of a pixel."""
 
 ERASED = ""
-"""Name of no kind of part: what it is painted on is as it was found."""
+"""Stands for no kind of part: pixels painted with it have the shape that was found."""
 
 Marks = NDArray[np.uint8]
 
@@ -27,7 +27,7 @@ Marks = NDArray[np.uint8]
 @dataclass(frozen=True)
 class ShapeMarks:
     """
-    One state of what is said about a shape; two that are equal say the same.
+    One state of what is said about a shape; equal states say the same.
 
     Attributes
     ----------
@@ -71,18 +71,18 @@ class ShapeMarks:
         Parameters
         ----------
         path : sequence of (float, float)
-            Where the brush went, and `radius` how wide it is: as in `MaterialCorrections.paint`.
+            Columns and rows along which the brush went, in pixels: as in `MaterialCorrections.paint`.
         radius : float
-            From its middle to its edge, pixels.
+            Radius of the brush, in pixels.
         kind : str
-            A kind of part, or `ERASED`, which takes normals at points as well.
+            A kind of part, or `ERASED`, which removes normals at points as well.
         codes : ndarray of int, shape (H, W)
             The materials, -1 outside the object.
         """
         return self._marked(stroke(path_of(path), radius, codes.shape), kind, codes)
 
     def filled(self, place: Sequence[float], kind: str, codes: Numbers) -> ShapeMarks:
-        """Mark all that is connected to a place, column and row, and of the same material."""
+        """Mark the connected region of one material around a place, given as column and row."""
         return self._marked(connected(codes, place), kind, codes)
 
     def tilted(
@@ -94,20 +94,25 @@ class ShapeMarks:
         codes: Numbers,
     ) -> ShapeMarks:
         """
-        Turn the normal at a place.
+        Set, change or remove the normal at a place.
 
         Parameters
         ----------
         place : (float, float)
             Column and row in pixels, 0.5 in the middle of the first one.
         normal : sequence of float or None
-            The normal that is wanted there; None to want none any more.
+            The normal that is wanted there; None removes the hint.
         radius : float
-            As of `NormalHint`.
+            As for `NormalHint`.
         which : int
-            Number of the hint that is replaced; -1 for another one.
+            Index of the hint that is replaced or removed; -1 adds one.
         codes : ndarray of int, shape (H, W)
             The materials, -1 outside the object.
+
+        Raises
+        ------
+        ToonkitError
+            If there is no such hint, the place does not lie on the object, or `NormalHint` refuses the rest.
         """
         if not -1 <= which < len(self.normals):
             raise refuse("which", f"must be a number from -1 to {len(self.normals) - 1}", which)

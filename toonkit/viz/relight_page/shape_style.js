@@ -1,4 +1,4 @@
-// What the tools for the shape look like.
+// Styles of the shape tools.
 
 const SHAPE_STYLE = `
 .shape-panel, .shape-map, .points, .shape-ring, .tilt-ball { display: none; }

@@ -1,7 +1,7 @@
 // A ball beside the pointer that shows which way the surface faces while its normal is dragged.
 
 const TILT_BALL_PIXELS = 54  // its radius
-const STEEPEST_TILT = 0.996  // of a normal that is dragged, as the sine of its angle to the viewer
+const STEEPEST_TILT = 0.996  // sine of the largest angle between a dragged normal and the direction to the viewer
 
 // The unit normal, z >= 0, with these x and y.
 function normalOf(x, y) {

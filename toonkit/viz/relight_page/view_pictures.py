@@ -1,4 +1,4 @@
-"""The linked pictures of an analysis as arrays, at the size that a screen has, and what a pixel says."""
+"""The linked pictures of an analysis as arrays, reduced to the size of the screen, and readings of single pixels."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from toonkit.model.normals import NormalField, encode_normal_map
 from toonkit.model.shading import illumination
 
 GROUND = (123, 124, 129)
-"""Color around the object, on which both dark and bright paint can be seen."""
+"""Color (sRGB, 8-bit) around the object, on which both dark and bright paint can be seen."""
 
 SHADED = np.array([(16, 20, 40), (86, 96, 140), (255, 244, 205)])
 """Colors of illumination -1, 0 and 1: none of them is that of the ground."""
 
 LEVELS = np.arange(-3, 4) / 4
-"""Illumination of the isophotes."""
+"""Illuminations at which isophotes are drawn."""
 
 Pixels = NDArray[np.uint8]
 
@@ -42,7 +42,7 @@ class Picture:
     pixels : ndarray of uint8, shape (H, W, 3)
         The picture, opaque.
     illumination : ndarray of float32, shape (H, W), optional
-        What isophotes are drawn of; NaN outside the object.
+        L · N, -1 to 1, from which isophotes are drawn; NaN outside the object. None if the picture has none.
     """
 
     title: str
@@ -58,9 +58,9 @@ class Window:
     Attributes
     ----------
     top, bottom, left, right : int
-        Its first row and column, and those behind its last ones.
+        Its rows are `top` to `bottom - 1`, its columns `left` to `right - 1`.
     step : float
-        Pixels of the picture for one that is sent, at least 1.
+        Pixels of the picture for each pixel that is sent, at least 1.
     """
 
     top: int
@@ -74,12 +74,12 @@ class Window:
         cls, columns: tuple[float, float], rows: tuple[float, float], shape: tuple[int, ...], sent: float
     ) -> Window:
         """
-        Return the part of a picture that is looked at; never empty.
+        Return the visible part of a picture; it is never empty.
 
         Parameters
         ----------
         columns, rows : tuple of float
-            From where to where the view goes, in pixels; perhaps beyond the picture.
+            First and last position of the view, in pixels; it may extend beyond the picture.
         shape : tuple of int
             Height and width of the picture.
         sent : float
@@ -96,7 +96,7 @@ class Window:
 
 
 def pictures_of_drawing(analysis: ToonAnalysis) -> dict[str, Picture]:
-    """Return what is the same for all methods: the drawing, its regions, and the light on the initial normals."""
+    """Return the pictures that all methods share: the drawing, its regions, and the illumination of the initial normals."""
     return {
         "drawing": Picture("Drawing", _opaque(analysis.image.to_rgba())),
         "regions": Picture("Regions", _opaque(label_picture(analysis.materials.labels))),
@@ -105,7 +105,7 @@ def pictures_of_drawing(analysis: ToonAnalysis) -> dict[str, Picture]:
 
 
 def pictures_of_method(analysis: ToonAnalysis, name: str = "") -> dict[str, Picture]:
-    """Return what a method has found, with its name in the titles if there is one."""
+    """Return the pictures of what a method has found; if a name is given, their titles contain it."""
     words = f" · {name}" if name else ""
     normals = analysis.normals
     coverage = np.where(normals.mask, 255, 0).astype(np.uint8)
@@ -117,12 +117,12 @@ def pictures_of_method(analysis: ToonAnalysis, name: str = "") -> dict[str, Pict
 
 
 def relit_picture(relit: ToonImage, name: str = "") -> Picture:
-    """Return a relit picture, with the name of its method in the title if there is one."""
+    """Return a relit picture; if the name of its method is given, the title contains it."""
     return Picture(f"Relit · {name}" if name else "Relit", _opaque(relit.to_rgba()))
 
 
 def reduced(pixels: Pixels, window: Window) -> Pixels:
-    """Return a part of a picture (H, W, 3), averaged over the pixels that make one on screen."""
+    """Return a part of a picture (H, W, 3), averaged over the pixels that share one pixel of the screen."""
     part = pixels[window.top : window.bottom, window.left : window.right]
     if window.step == 1:
         return part
@@ -132,12 +132,19 @@ def reduced(pixels: Pixels, window: Window) -> Pixels:
 
 def isophotes(illumination: NDArray[np.floating], window: Window) -> FloatArray:
     """
-    Return curves of equal illumination, `LEVELS` apart, in a part of a picture.
+    Return the curves of equal illumination in a part of a picture, at each of the `LEVELS`.
+
+    Parameters
+    ----------
+    illumination : ndarray, shape (H, W)
+        L · N, NaN outside the object.
+    window : Window
+        The part.
 
     Returns
     -------
     ndarray, shape (n, 2)
-        Columns and rows, 0.5 in the middle of the first pixel; a row of NaN behind each curve.
+        Columns and rows in pixels, 0.5 in the middle of the first one; a row of NaN after each curve.
     """
     skipped = round(window.step)
     field = illumination[window.top : window.bottom : skipped, window.left : window.right : skipped]
@@ -152,7 +159,20 @@ def isophotes(illumination: NDArray[np.floating], window: Window) -> FloatArray:
 
 @dataclass(frozen=True)
 class PixelReading:
-    """What is known of a pixel of the object: its paint, its material, and what each method has found there."""
+    """
+    What is known of a pixel of the object.
+
+    Attributes
+    ----------
+    paint : str
+        Its color as drawn, as "#rrggbb".
+    material : str
+        Its material, such as "2 of 5".
+    normals : mapping of str to (float, float, float)
+        Its unit normal by the name of each method.
+    illuminations : mapping of str to (float, float)
+        L · N by the name of each method, under the light of the analysis and under the new light.
+    """
 
     paint: str
     material: str
@@ -169,16 +189,16 @@ def read_pixel(
     Parameters
     ----------
     analyses : mapping of str to ToonAnalysis
-        Analyses of the drawing by the name of their method; the first one tells its paint and its materials.
+        Analyses of the drawing by the name of their method; the paint and the materials are those of the first one.
     row, column : int
-        Place of the pixel, within the picture.
+        The pixel, which must lie within the picture.
     new_light : array_like, shape (3,)
         Unit vector to the new light.
 
     Returns
     -------
     PixelReading or None
-        None outside the object. `illuminations` holds L · N under the light of the analysis, and under the new one.
+        None outside the object.
     """
     analysis = next(iter(analyses.values()))
     label = int(analysis.materials.labels[row, column])
@@ -197,7 +217,7 @@ def read_pixel(
 
 
 def _isophotes(title: str, normals: NormalField, light: FloatArray) -> Picture:
-    """Return L · N in `SHADED` colors, to be drawn with its isophotes."""
+    """Return a picture of L · N in `SHADED` colors, with the illumination from which its isophotes are drawn."""
     value = illumination(normals, light)
     seen = np.zeros((*value.shape, 4), np.uint8)
     seen[normals.mask, 3] = 255
@@ -208,7 +228,7 @@ def _isophotes(title: str, normals: NormalField, light: FloatArray) -> Picture:
 
 
 def _opaque(rgba: Pixels) -> Pixels:
-    """Return a picture (H, W, 4) on `GROUND`: what is drawn over a coarser one must cover it."""
+    """Return a picture (H, W, 4) composited on `GROUND`: a sharp picture must cover the coarser one below it."""
     alpha = rgba[..., 3:].astype(np.uint16)
     mixed = rgba[..., :3] * alpha + np.array(GROUND, np.uint16) * (255 - alpha)
     return ((mixed + 127) // 255).astype(np.uint8)

@@ -33,18 +33,18 @@ from toonkit.viz.turns import Progress
 
 VIEWS_NOTE = (
     "Every step from the drawing to the relit picture. Drag to pan, zoom with Ctrl and the wheel or a pinch, double-click "
-    "to fit: all pictures follow. Each line follows one level of light."
+    "to fit: all pictures follow. Each curve joins pixels of equal illumination."
 )
 READ_NOTE = "Point at a picture, or enter a column and a row, to read a pixel."
 
 REST_SECONDS = 0.15
-"""Pause after which a light that was moved rests."""
+"""Seconds without a move after which the light counts as resting."""
 
 KEPT_COMPARISONS = 2
-"""Analyses by other methods that are kept of a visitor's own drawings."""
+"""Number of analyses by other methods that are kept for a visitor's own drawings."""
 
 RELIT, OTHERS = "relit", "other "
-"""Name of the relit picture, and what the names of another method's pictures begin with."""
+"""Name of the relit picture, and the prefix of the names of another method's pictures."""
 
 ORDER = ["drawing", "base", "regions", "initial", "relit", "normals", "refined"]
 COMPARED = [
@@ -59,7 +59,7 @@ COMPARED = [
     "refined",
     OTHERS + "refined",
 ]
-"""The pictures as they follow each other, without and with another method."""
+"""The pictures in the order shown, without and with another method."""
 
 READING_STYLE = """
 .reading { font-size: 13px; line-height: 1.6; font-variant-numeric: tabular-nums;
@@ -82,7 +82,7 @@ class LinkedViews(pn.viewable.Viewer):
     """
 
     other = param.String("", doc='Name of the method to compare with; "" for none.')
-    active = param.Boolean(False, doc="Whether the views are looked at: otherwise they wait.")
+    active = param.Boolean(False, doc="Whether the tab of the views is open; otherwise they are not updated.")
 
     def __init__(self, state: RelightState, **params: Any) -> None:
         super().__init__(**params)
@@ -125,7 +125,7 @@ class LinkedViews(pn.viewable.Viewer):
         state.param.watch(self._note_look, [*SETTINGS, "ramps"])
 
     def prepare(self, analysis: ToonAnalysis) -> Callable[[], None]:
-        """Make the pictures of an analysis, in a thread; returns what shows them."""
+        """Make the pictures of an analysis, in a thread; return a function that shows them."""
         pictures = {
             **pictures_of_drawing(analysis),
             **pictures_of_method(analysis),
@@ -142,7 +142,7 @@ class LinkedViews(pn.viewable.Viewer):
         return show
 
     def close(self) -> None:
-        """End what is under way, and let go of everything large: the visitor has left."""
+        """Cancel what is under way, and free everything large: the visitor has left."""
         self._busy.close()
         self._kept.clear()
         self._pictures.clear()
@@ -183,7 +183,7 @@ class LinkedViews(pn.viewable.Viewer):
             self._linked.fit()
 
     async def _put(self) -> None:
-        """Show the pictures that there are; a drawing of another size gets another grid."""
+        """Show the pictures made so far; a drawing of another size gets another grid."""
         if self._shown is None:
             return
         shape = self._shown.image.shape
@@ -222,7 +222,7 @@ class LinkedViews(pn.viewable.Viewer):
             return found, {**pictures_of_method(found, name), RELIT: self._relit(found, name)}
 
         try:
-            result = await self._busy.run(f"asking {name}", work)
+            result = await self._busy.run(f"analyzing with {name}", work)
         except Exception:
             self.other = ""
             raise
@@ -235,7 +235,7 @@ class LinkedViews(pn.viewable.Viewer):
             await self._put()
 
     def _relit(self, analysis: ToonAnalysis, name: str = "") -> Picture:
-        """Paint an analysis as the page does; its ramps are edited if they belong to materials of the same number."""
+        """Relight an analysis as the page does, with the edited ramps if it has as many materials as the one on screen."""
         state = self._state
         ramps = state.placed_ramps if state.analysis.materials.count == analysis.materials.count else {}
         return relit_picture(state.relight(analysis.recolored(ramps) if ramps else analysis), name)
@@ -288,12 +288,12 @@ class LinkedViews(pn.viewable.Viewer):
 
 
 def _others(method: str) -> dict[str, str]:
-    """Return the methods to compare one with, by their titles."""
+    """Return the names of the methods to compare with `method`, by title."""
     return {"no other method": "", **{_title(name): name for name in METHODS if name != method}}
 
 
 def _title(method: str) -> str:
-    """Return the name of a method for people."""
+    """Return the title of a method, as the page shows it."""
     return METHOD_DESCRIPTIONS.get(method, (method, ""))[0]
 
 
@@ -312,6 +312,6 @@ def _words(reading: PixelReading) -> str:
 
 
 def _reading_html(words: str, methods: int) -> str:
-    """Return a reading with room for that of any pixel: what is below must not move with the pointer."""
+    """Return a reading of fixed height: what is below it must not move as the pointer does."""
     room = f"min-height: {1.6 * (1 + methods):.1f}em"
     return f'<div class="reading" role="status" aria-label="Pixel" style="{room}">{words}</div>'
