@@ -81,6 +81,20 @@ def measured(name: str, size: int, *, given: bool, pairs: int) -> Row:
     }
 
 
+def table(rows: pd.DataFrame) -> str:
+    """One line per size and kind of light, as a Markdown table."""
+    lines = [
+        "| size | light | from file to files | analysis alone | ratio | peak memory per pixel | archive per object pixel |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    lines += [
+        f"| {row.size}² | {row.light} | {row.seconds:.1f} s | {row.analysis_seconds:.1f} s | {row.ratio:.1f} "
+        f"| {row.peak_bytes_per_pixel:.0f} B | {row.archive_bytes_per_object_pixel:.1f} B |"
+        for row in rows.itertuples(index=False)
+    ]
+    return "\n".join(lines)
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description="From a drawing's file to the files of its analysis.")
     parser.add_argument("-o", "--output", type=Path, metavar="CSV", help="write one row per drawing and size")

@@ -8,9 +8,10 @@ import re
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from benchmarks import other_solvers, speed
+from benchmarks import end_to_end, other_solvers, speed
 from toonkit.numerics.screened_poisson import solve_screened_poisson
 from toonkit.numerics.unit_field import solve_unit_field
 
@@ -107,6 +108,11 @@ def test_over_relaxed_sweeps_meet_the_energy_of_the_multigrid(posed, name):
     problem = getattr(posed, name)
     goal = solve_unit_field(problem, tolerance=1e-5)[1].energies[-1] * (1 + 1e-4)
     assert other_solvers.swept(problem, goal, 60.0)[1] <= goal
+
+
+def test_the_document_shows_the_time_from_file_to_files_that_was_measured():
+    rows = pd.read_csv(ROOT / "benchmarks" / "results" / "end_to_end.csv")
+    assert shown("end to end") == end_to_end.table(rows)
 
 
 def test_the_document_shows_the_drag_rate_that_was_measured():
