@@ -178,6 +178,7 @@ def _near(pixels: NDArray[np.intp], rows: IndexArray, columns: IndexArray) -> Bo
     """Mark which of the pixels at some rows and columns (P,) lie within `EDGE_REACH` of those with the given indices."""
     near = np.zeros(len(rows), np.bool_)
     if pixels.size:
+        rows, columns = rows - rows.min(), columns - columns.min()
         marked = np.zeros((rows.max() + 1, columns.max() + 1), np.bool_)
         marked[rows[pixels], columns[pixels]] = True
         near = grow_mask(marked, EDGE_REACH)[rows, columns]

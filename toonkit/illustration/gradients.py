@@ -50,10 +50,21 @@ def join_gradients(tones: Tones, zones: Zones, group: Groups) -> tuple[Groups, B
     names, which = np.unique(group, return_inverse=True)
     count = len(names)
     area = np.bincount(which, tones.area, count)
-    border, smooth = _borders(zones, np.where(tones.labels >= 0, which[tones.labels], -1), count)
     smaller, larger = np.minimum(area[:, None], area), np.maximum(area[:, None], area)
-    joined = (smooth > SMOOTH * border) & (smooth > np.sqrt(smaller))
-    joined &= (smaller > LEAST * area.sum()) & (smaller > COMPARABLE * larger)
+
+    def is_smooth(smooth: FloatArray, border: FloatArray) -> BoolArray:
+        return (smooth > SMOOTH * border) & (smooth > np.sqrt(smaller))
+
+    # Where paint has no edge it is one zone, which is known already and rules out most drawings.
+    member = np.eye(count)[which]
+    joined = is_smooth(member.T @ tones.smooth @ member, member.T @ tones.contact @ member)
+    joined &= (
+        (smaller > LEAST * area.sum()) & (smaller > COMPARABLE * larger) & ~np.eye(count, dtype=np.bool_)
+    )
+    if not joined.any():
+        return group, np.zeros(len(group), np.bool_)
+    border, smooth = _borders(zones, np.where(tones.labels >= 0, which[tones.labels], -1), count)
+    joined &= is_smooth(smooth, border)
     _, part = connected_components(coo_array(joined), directed=False)
     painted = np.bincount(part)[part] > 1
     return names[np.unique(part, return_index=True)[1]][part][which], painted[which]

@@ -218,7 +218,7 @@ class LinkedViews(pn.viewable.Viewer):
         name = _title(method)
 
         def work(progress: Progress) -> tuple[ToonAnalysis, dict[str, Picture]]:
-            found = answer(question, Evidence(shown.image, previous=shown), progress, kept).analysis
+            found = answer(question, Evidence(shown.drawing), progress, kept).analysis
             return found, {**pictures_of_method(found, name), RELIT: self._relit(found, name)}
 
         try:
