@@ -29,6 +29,9 @@ GRID = {
 NO_SCROLLING = ".scroll-button { display: none; }"
 """Hides the scroll button of a Panel column, which would take a place in the grid."""
 
+DARK_ON_WHITE = ".bk-Panel { color: #222; font-size: 13px; }"
+"""Makes Bokeh's zoom hint readable: its background is white, and it would take the text color of the page."""
+
 ASPECTS = (0.7, 1.6)
 """Least and greatest ratio of a frame's width to its height; pictures of other shapes are shown with margins."""
 
@@ -229,6 +232,7 @@ class LinkedPictures(pn.viewable.Viewer):
         figure.add_tools(PanTool(), wheel, CrosshairTool(overlay=self._spans))
         figure.toolbar.active_scroll = wheel
         figure.on_event("doubletap", lambda _: self.fit())
+        figure.stylesheets = [*figure.stylesheets, DARK_ON_WHITE]
         figure.outline_line_color = None
         figure.on_change("inner_width", self._note_width)
 
